@@ -30,6 +30,9 @@ void write_mesh(const LoadedScene& loaded, const std::filesystem::path& file) {
 }
 
 void run(const Options& options) {
+  if (const auto ending = options.output.extension(); ending != ".vtu" && ending != ".msh")
+    throw input_error("the format of the mesh to write is unknown", options.output.string(),
+                      "give a name that ends in .vtu (ParaView) or .msh (gmsh)");
   const auto loaded = load_scene(options.scene, false, [&](const LoadedScene& refused) {
     if (std::filesystem::exists(options.output)) {
       message("note: {} is left as it was; with a name of no file, -o writes the refused mesh to look at\n",
@@ -76,7 +79,7 @@ void add(CLI::App& app) {
   auto [command, options] = add_command(app, "mesh", "Generate or import the mesh of a scene, check it, write it", run);
   add_scene(command, options.scene, "scene file (formats/scene.md)");
   add_output(command, options.output, PathKind::file,
-             "mesh file to write: .vtu for ParaView, otherwise gmsh format 4.1");
+             "mesh file to write: .vtu for ParaView, .msh for gmsh (format 4.1)");
   add_json(command, options.json_file);
 }
 

@@ -117,13 +117,22 @@ bool is_checked(const std::filesystem::path& file, const Scene& scene) {
   return check.is_object() && check["interrupted"] == false && check["physics_hash"] == physics_hash(scene);
 }
 
+/// Whether a check had time for all comparisons.
+bool has_compared_all(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const auto check = json::parse(in);
+  constexpr double rounding = 1.01;
+  return check["sufficient_seconds"] <= rounding * check["seconds"].get<double>();
+}
+
 /// Compares the finite elements with a finer solution within check_limit_s. A failure is a warning.
 /// @return whether check.json is complete
 bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages,
            RunStages& run_stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
   const auto probes = scene.validation.check_probes;
-  if (probes != 0 && options.resume && is_checked(file, scene)) return true;
+  // A scene with check_probes does not limit the time.
+  if (probes != 0 && options.resume && is_checked(file, scene) && (!probes || has_compared_all(file))) return true;
   if (probes == 0 && !std::filesystem::exists(file)) return false;
   run_stages.invalidate("check");
   std::filesystem::remove(file);

@@ -31,8 +31,8 @@ std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
     throw input_error("of this node the database has the linear response at rest only", fmt::format("--node {}", node),
                       "give an active node; h5py reads /rest/displacement");
   throw input_error("the database has no responses of this node", fmt::format("--node {}", node),
-                    fmt::format("give one of the {} active nodes, {} to {}; phynness info lists them", active.size(),
-                                active.front(), active.back()));
+                    fmt::format("give one of the {} active nodes, {} to {}; phynness info DATABASE --json - lists them",
+                                active.size(), active.front(), active.back()));
 }
 
 /// The rows of `all` with known nodes only, with point numbers instead of node numbers.

@@ -200,7 +200,7 @@ std::vector<CoupledState> between_nodes(const NamedOrgan& loaded, std::mt19937_6
     state.ray = static_cast<std::int32_t>(states.size()) - 1;
     state.tool = tool;
     state.force_N = *said.force_N[0];
-    state.force_N[0] += 1e-3 * depth * std::exp(scatter(random));
+    state.force_N[0] += 1e4 * depth * std::exp(scatter(random));  // above the bounds of the nodes
   }
   return states;
 }

@@ -140,6 +140,8 @@ TEST(Selections, ThatCannotBeSpreadAreRefused) {
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "50 m") && contains(text, "count = 1")) << text;
   text = message("{ spacing = \"auto\" }", 0);
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "tool_radius_m")) << text;
+  text = message("{ spacing_m = 0.5, within = { nodes = [22] } }");
+  expect_names(text, {"of 1 nodes 0 chosen", "three nodes of the surface", "without a spacing"});
   text = message("{ spacing_m = 1, from_fixed_m = 3 }");
   EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "from_fixed_m smaller")) << text;
 }

@@ -90,6 +90,7 @@ TEST_F(Contract, AMeshForParaViewIsTheMesh) {
   const auto printed = succeed("mesh scene.toml -o mesh.msh --json mesh.json");
   expect_names(printed.out, {"thickness ", " mean cell edges below active nodes in the median"});
   succeed("mesh scene.toml -o mesh.vtu");
+  expect_names(be_refused("mesh scene.toml -o mesh.xyz").err, {"mesh.xyz", "ends in .vtu (ParaView) or .msh (gmsh)"});
   expect_names(succeed("info mesh.vtu --json info.json").out, {json("mesh.json").at("mesh_hash").get<std::string>(),
                                                                "size      volume 0.0004, area 0.034; edges of "});
   // A block of 0.1 x 0.08 x 0.05 m with cells of a quarter of its length.

@@ -86,6 +86,14 @@ TEST_F(Interrupted, CheckThatFailsCostsTheDistanceAlone) {
     EXPECT_EQ(read_file(folder / out / "model/model.txt"), read_file(folder / "whole/model/model.txt")) << out;
   }
   EXPECT_EQ(read_file(folder / "stopped/database.h5"), kept);
+
+  // A scene with check_probes does not limit the time, so that a check which lacked time is made again.
+  auto check = json("whole/check.json");
+  const double seconds = check.at("seconds");
+  check["sufficient_seconds"] = 3 * seconds + 1000;
+  write_file(folder / "whole/check.json", check.dump());
+  succeed("run scene.toml --resume -o whole");
+  EXPECT_LT(json("whole/check.json").at("sufficient_seconds"), 1000);
 }
 
 }  // namespace

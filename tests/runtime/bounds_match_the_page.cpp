@@ -158,4 +158,20 @@ TEST(BoundBetween, IsThatOfThePage) {
   EXPECT_EQ(bound_of(far, PHN_WARNING_OUTSIDE), PHN_NO_BOUND);
 }
 
+// Claim: beside a node, where the spread of the forces vanishes, the bound is that of the node.
+TEST(BoundBetween, DoesNotVanishBesideANode) {
+  Model model = with_bound_between(bent(LinearBody(7, false)));
+  model.bounds[0].between = {0, 0, 1, 0};  // the spread alone
+  const LoadedModel loaded(write_model_text(model));
+  const Eigen::Vector3d d(0.003, -0.002, 0.004);
+  double at_node = 0, beside = 0;
+  EXPECT_EQ(phn_bound(loaded.model, AtNode(1, d.data()), &at_node), PHN_OK);
+  const double away = 0x1p-30;
+  const phn_tool place = tool(1, 2, -1, 1 - away, away, d[0], d[1], d[2]);
+  EXPECT_EQ(phn_bound(loaded.model, &place, &beside), PHN_OK);
+  EXPECT_GT(at_node, 0);
+  // 10 of these distances: the bounds of the two nodes differ by less than ten times the first.
+  EXPECT_NEAR(beside, at_node, 10 * away * at_node);
+}
+
 }  // namespace

@@ -100,9 +100,12 @@ NodeList spread_points(const Selector& s, const SelectableBody& body, const Want
     throw input_error(wanted.place + "the spacing is too large for the part of the surface that it is for",
                       length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +
                           std::to_string(chosen.size()) + " chosen",
-                      "give a smaller spacing, such as " + length_text(spacing / 4) +
-                          ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
-                          " if so few points are meant; is mesh.scale_to_m right?");
+                      nodes.size() < 3
+                          ? std::string("widen the part until it has three nodes of the surface, or select "
+                                        "its nodes without a spacing")
+                          : "give a smaller spacing, such as " + length_text(spacing / 4) +
+                                ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
+                                " if so few points are meant; is mesh.scale_to_m right?");
   return chosen;
 }
 

@@ -217,11 +217,12 @@ int phn_image_depth(const phn_image* opened, const phn_image_tool* tool, Real* o
   if (status < 0 || (status & PHN_WARNING_OUTSIDE) != 0) return status;
   const Header& image = *header(opened);
   const Corners& corners = query.corners;
-  Real force[image::most_corners][3] = {}, mean[3] = {0, 0, 0}, largest = 0, spread = 0;
+  Real force[image::most_corners][3] = {}, mean[3] = {0, 0, 0}, largest = 0, least = 0, spread = 0;
   for (uint32_t i = 0; i < corners.n; ++i) {
     const uint32_t position = corners.position[i];
     const Real bound = corners.counts(i) ? bound_at_node(image, *surface, position, query.d) : 0;
     largest = bound > largest ? bound : largest;
+    least += corners.weight[i] * bound;
     if (corners.n > 1) respond<Force>(image, position, query.d, force[i]);
     for (int k = 0; k < 3; ++k) mean[k] += corners.weight[i] * force[i][k];
   }
@@ -229,12 +230,12 @@ int phn_image_depth(const phn_image* opened, const phn_image_tool* tool, Real* o
     const Real away[3] = {force[i][0] - mean[0], force[i][1] - mean[1], force[i][2] - mean[2]};
     spread += corners.weight[i] * square_root(dot(away, away));
   }
+  Real bound = 0;
   if (corners.n > 1) {
     const Real x[] = {largest + spread, spread, square_root(dot(mean, mean))};
-    *out = coupled_bound(at<Real>(image, surface->between), x, Real(PHN_IMAGE_NO_BOUND));
-  } else if (largest < *out) {
-    *out = largest;
+    bound = coupled_bound(at<Real>(image, surface->between), x, Real(PHN_IMAGE_NO_BOUND));
   }
+  *out = bound > least ? bound : least;
   return status;
 }
 

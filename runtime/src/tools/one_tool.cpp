@@ -75,7 +75,8 @@ int coupled_response(const phn_model& model, phn_data& data, const phn_tool& too
 }
 
 /// Sets the bound between nodes (formats/model.md, Bounds), a function of the largest bound of the nodes, of the
-/// deviation of their forces from the mean, and of this mean. @return a status of phynness.h
+/// deviation of their forces from the mean, and of this mean. It is not below the mean bound of the nodes, because the
+/// deviation vanishes at a node. @return a status of phynness.h
 int bound_between(const phn_model& model, const ToolQuery& query, double& bound) {
   const Place& place = query.place;
   if (model.bound_between == nullptr) return PHN_ERROR_UNDEFINED;
@@ -83,7 +84,7 @@ int bound_between(const phn_model& model, const ToolQuery& query, double& bound)
   Vector d, force[most_corners], mean = {};
   clamp(query.d, transmission, PHN_NO_BOUND, d.x);
   int status = is_beside_fixed(model, place) ? PHN_WARNING_OUTSIDE : PHN_OK;
-  double sum = 0, largest = 0, spread = 0;
+  double sum = 0, largest = 0, least = 0, spread = 0;
   for (std::int32_t i = 0; i < place.n_nodes; ++i) sum += place.weight[i];
   for (std::int32_t i = 0; i < place.n_nodes; ++i) {
     const ActiveNode& node = model.active[place.active[i]];
@@ -92,6 +93,7 @@ int bound_between(const phn_model& model, const ToolQuery& query, double& bound)
       const double of_node = (warned & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(model, node, d.x);
       status |= warned;
       largest = std::fmin(PHN_NO_BOUND, std::fmax(largest, of_node / transmission));
+      least += place.weight[i] / sum * of_node;
     }
     evaluate_force(model, node, d.x, force[i].x);
     force[i] /= transmission;
@@ -101,7 +103,7 @@ int bound_between(const phn_model& model, const ToolQuery& query, double& bound)
   const double x[] = {largest + spread, spread, length(mean.x)};
   bound = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND
           : place.n_nodes == 1                ? largest
-                                              : coupled_bound(model.bound_between, x, PHN_NO_BOUND);
+                                              : std::fmax(least, coupled_bound(model.bound_between, x, PHN_NO_BOUND));
   return status;
 }
 

@@ -49,19 +49,21 @@ Sample sample_of(const CoupledState& state, const Vec3& predicted_N) {
           {1}};
 }
 
-/// The runtime returns a term as the bound if its coefficient is 1 and the other coefficients are 0.
+/// The runtime returns a multiple of a term as the bound if its coefficient is 1, and those of other terms are 0. The
+/// multiple is so large that no bound of a node is larger.
 Samples samples_between(const Model& model, const Mesh& mesh, const std::vector<CoupledState>& states) {
+  constexpr double log_of_multiple = 60;
   Samples samples;
   for (int term = 1; term < n_coefficients; ++term) {
     Model with = model;
-    with.bounds.at(0).between = Eigen::Vector4d::Unit(term);
+    with.bounds.at(0).between = log_of_multiple * Eigen::Vector4d::Unit(0) + Eigen::Vector4d::Unit(term);
     const NamedOrgan loaded(std::move(with), mesh, "model");
     std::size_t at = 0;
     for (const auto& state : states) {
       const auto response = loaded.hold({state.tool});
       if (response.bound_N.empty() || !response.bound_N[0]) continue;
       if (term == 1) samples.push_back(sample_of(state, *response.force_N[0]));
-      samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*response.bound_N[0]);
+      samples.at(at++).terms[static_cast<std::size_t>(term)] = std::log(*response.bound_N[0]) - log_of_multiple;
     }
   }
   return samples;

@@ -134,7 +134,7 @@ struct DiscretizationReport {
     for (std::size_t i = 0; i < result.depth_m.size(); ++i) all.push_back(result.ratios(i));
     see("ratios", all);
     PHYNNESS_SEE(nodes, near_share, probes, at_rest, left_out, interrupted, seconds);
-    see("sufficient_seconds", result.sufficient_s);
+    see("sufficient_seconds", std::max(result.sufficient_s, result.at_rest.sufficient_s));
   }
 };
 
