@@ -127,10 +127,10 @@ TEST(ErrorBounds, AreBrokenOnlyBeyondTheSamplingError) {
     return coverage_of(errors, 0.01);
   };
   EXPECT_EQ(held_in_words(measured(91, 9), 0.93),
-            "held for 91 % of 100 errors, for 0 % of those in the deepest third; calibration promised 93 %");
+            "held for 91 % of 100 errors (calibration promised 93 %), for 0 % of those in the deepest third");
   EXPECT_EQ(held_in_words(measured(1, 0), 0), "held for 1 of 1 error");
   // By weight 25 %, which would look wrong of five errors.
-  EXPECT_EQ(held_in_words(measured(4, 1, 12), 0.93), "held for 4 of 5 errors; calibration promised 93 %");
+  EXPECT_EQ(held_in_words(measured(4, 1, 12), 0.93), "held for 4 of 5 errors (calibration promised 93 %)");
   EXPECT_EQ(held_of_errors(measured(19, 1)), "95 % of 20 errors");
   // 0.93 - 2 sqrt(0.93 0.07 / 100) = 0.879
   EXPECT_FALSE(is_below_promise(measured(88, 12), 0.93));

@@ -56,7 +56,7 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
   EXPECT_NEAR(bounds.at("coverage").get<double>(), 0.95,
               0.09);  // 100 states scatter by 0.022, the calibration by 0.015
   const auto promised =
-      "; calibration promised " + std::to_string(std::lround(100 * c.at("promised").get<double>())) + " %.";
+      " (calibration promised " + std::to_string(std::lround(100 * c.at("promised").get<double>())) + " %)";
   expect_names(unbroken(validated.out), {"Bound of the model's force error: ", "N in the median over these probes, ",
                                          " % of the median force; it held for ", " % of 100 errors", promised});
   const auto sizes = json("v.json").at("verdict").at("bounds");

@@ -143,7 +143,8 @@ void check_solver(const SceneTable& table, Scene& scene) {
           std::string("element ") + phynness::name(spec.element) + " needs a positive Lame parameter lambda",
           "lambda = K - 2 mu / 3 = " + shortest(material->lame_lambda_Pa) + " Pa of the material at line " +
               std::to_string(material->where.line),
-          "check the moduli; for so compressible a material use element = \"P1\" or \"P2\", which do not lock there");
+          "check the moduli, of which a region has the body's where it gives none; for so compressible a material use "
+          "element = \"P1\" or \"P2\", which do not lock there");
 }
 
 void check_region(const SceneTable& table, const Scene& scene) {

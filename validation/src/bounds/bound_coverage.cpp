@@ -67,9 +67,10 @@ std::string held_of_errors(const BoundCoverage& measured) {
 
 std::string held_in_words(const BoundCoverage& measured, double promised) {
   std::string text = "held for " + held_of_errors(measured);
+  if (promised > 0) text += fmt::format(" (calibration promised {:.0f} %)", 100 * promised);
   if (const double deepest = measured.thirds.back(); measured.states >= few && !std::isnan(deepest))
     text += fmt::format(", for {:.0f} % of those in the deepest third", 100 * deepest);
-  return promised > 0 ? fmt::format("{}; calibration promised {:.0f} %", text, 100 * promised) : text;
+  return text;
 }
 
 bool is_below_promise(const BoundCoverage& measured, double promised) {

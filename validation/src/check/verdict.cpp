@@ -39,8 +39,7 @@ VerdictLine of_model(const Validated& v) {
   if (const auto& linear = e.all.linear; force.n > 0)
     text = fmt::format(
         "{} probes at {} of {} active nodes (linear predictor: {} %); {} % of the forces are wrong by more than a "
-        "tenth "
-        "of their own size ({}linear predictor: {} %)",
+        "tenth of their own size ({}linear predictor: {} %)",
         in_words(force, " of the node's largest force"), v.report.nodes.size(), v.model.model().nodes.size(),
         in_percent(linear.force.mean), in_percent(wrong_of_all), by_warning, in_percent(linear.wrong));
   if (const auto& between = v.points.all; between.model.force.n > 0)
