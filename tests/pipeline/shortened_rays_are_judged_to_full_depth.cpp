@@ -43,7 +43,8 @@ TEST_F(ShortenedRays, AreJudgedToFullDepth) {
                                                    "\\(linear predictor: [0-9.]+ %, at most ")))
       << said();
   const auto cut = validated("short --probes 40 --pairs 6");
-  expect_names(said(), {" % of the node's largest force on average, below ", " % in 95 % of 20 probes (linear "});
+  expect_names(said(), {" % of the node's largest force on average, below ",
+                        " % in 95 % of 20 probes at 2 of 2 active nodes (linear "});
   EXPECT_EQ(whole.at("all").at("force"), whole.at("inside").at("force"));
   EXPECT_EQ(whole.at("all").at("displacement"), whole.at("inside").at("displacement"));
   EXPECT_EQ(whole.at("beyond").at("probes"), 20);
