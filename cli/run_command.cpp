@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <phynness/formats/database_lock.hpp>
 #include <phynness/pages/pages.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/calibrate.hpp>
@@ -64,6 +65,8 @@ void declare_files(const Options& options) {
 Coverage check_existing_files(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
   auto database_coverage = Coverage::other;
+  if (const auto holder = DatabaseLock::holder(database); !holder.empty())
+    throw input_error("the database " + database.string() + " is in use", holder, "wait until this process ends");
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
     const auto loaded = load_scene(options.scene, true, {}, database);
     const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);

@@ -251,6 +251,7 @@ a_sphere_in_an_intersection | fixed_line
 spread_without_distance | active_line | active = { spacing_m = 0 } | | spacing_m ; greater than 0 ; 0
 spread_backwards | active_line | active = { spacing_m = -0.01 } | | spacing_m ; greater than 0 ; -0.01
 spread_by_nan | active_line | active = { spacing_m = nan } | | spacing_m ; nan
+spread_by_a_number | active_line | active = { spacing = 0.015 } | | spacing ; auto ; spacing_m = 0.01
 spread_by_a_word | active_line | active = { spacing = "dense" } | | spacing ; dense ; auto
 spread_over_no_points | active_line | active = { count = 0 } | | count ; 0
 spread_twice | active_line | active = { spacing_m = 0.01, count = 9 } | | two selectors ; count

@@ -160,7 +160,9 @@ void require_same_rays(const DatabaseHeader& on_disk, const DatabaseHeader& want
   if (reasons.empty()) return;
   throw input_error("the database " + file.string() + " does not have all rays of the scene, or has others", reasons,
                     coverage(on_disk, wanted) == Coverage::part
-                        ? "solve what is missing with: phynness precompute SCENE -o " + file.string() + " --resume"
+                        ? "solve what is missing with: phynness precompute SCENE -o " + file.string() +
+                              " --resume; or train what the database has, without a scene: phynness train " +
+                              file.string() + " -o MODEL"
                         : "solve the scene into a database of its own");
 }
 

@@ -173,7 +173,9 @@ void read_spread(const SceneTable& table, std::string_view, Selector& s) {
     table.reject("spacing_m", "must be a number", "write metres without quotes, or the other key: spacing = \"auto\"");
   s.length_m = table.number_or("spacing_m", 0, length);
   s.count = table.integer("count", 1, std::numeric_limits<std::int32_t>::max()).value_or(0);
-  if (table.has("spacing")) table.choice("spacing", Words<int>{{"auto", 0}});
+  if (const auto* given = table.find("spacing"); given && given->value_or(std::string()) != "auto")
+    table.reject("spacing", "must be \"auto\"",
+                 "write spacing = \"auto\", or the other key in metres: spacing_m = 0.01");
   s.of = {table.has("within") ? parse_selection(*table.find("within"), table, "within") : Selection(1)};
   s.from_fixed_m = table.number_or("from_fixed_m", 0, length);
   const std::string size = s.length_m > 0 ? "spacing_m = " + shortest(s.length_m)

@@ -8,6 +8,8 @@
 #include <phynness/formats/printable.hpp>
 #include <phynness/meshes/probe_points.hpp>
 
+#include "surface/geometry.hpp"
+
 namespace phynness::meshes {
 namespace {
 
@@ -97,15 +99,17 @@ NodeList spread_points(const Selector& s, const SelectableBody& body, const Want
   NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, enough ? kept : nodes, spacing, count,
                                  enough ? NodeList() : kept);
   if (count == 0 && chosen.size() < 3 && nodes.size() > chosen.size())
-    throw input_error(wanted.place + "the spacing is too large for the part of the surface that it is for",
-                      length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +
-                          std::to_string(chosen.size()) + " chosen",
-                      nodes.size() < 3
-                          ? std::string("widen the part until it has three nodes of the surface, or select "
-                                        "its nodes without a spacing")
-                          : "give a smaller spacing, such as " + length_text(spacing / 4) +
-                                ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
-                                " if so few points are meant; is mesh.scale_to_m right?");
+    throw input_error(
+        wanted.place + (nodes.size() < 3 ? "the part of the surface is too small to spread points over"
+                                         : "the spacing is too large for the part of the surface that it is for"),
+        length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " + std::to_string(chosen.size()) +
+            " chosen",
+        nodes.size() < 3 ? std::string("widen the part until it has three nodes of the surface, or select "
+                                       "its nodes without a spacing")
+                         : "give a smaller spacing, such as " +
+                               length_text(extent_of(body.mesh.nodes(nodes, Eigen::all)).norm() / 8) +
+                               ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
+                               " if so few points are meant; is mesh.scale_to_m right?");
   return chosen;
 }
 
