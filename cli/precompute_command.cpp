@@ -50,9 +50,10 @@ std::vector<DatabaseLock> acquire_locks(const PrecomputeTarget& target, const Lo
   std::vector<DatabaseLock> locks;
   for (const auto& file : {target.file, target.from}) {
     if (file.empty()) continue;
-    if (const auto holder = target.part ? DatabaseLock::holder(file) : std::string(); !holder.empty())
-      throw input_error("the database " + file.string() + " is in use", holder, "wait until this process ends");
-    if (target.part) continue;
+    if (target.part) {
+      DatabaseLock::require_free(file);
+      continue;
+    }
     locks.emplace_back(file);
     if (!locks.back().warning().empty()) message("warning: {}\n", locks.back().warning());
   }

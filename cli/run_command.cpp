@@ -65,8 +65,7 @@ void declare_files(const Options& options) {
 Coverage check_existing_files(const Options& options) {
   const auto database = options.output / "database.h5", model = options.output / "model";
   auto database_coverage = Coverage::other;
-  if (const auto holder = DatabaseLock::holder(database); !holder.empty())
-    throw input_error("the database " + database.string() + " is in use", holder, "wait until this process ends");
+  DatabaseLock::require_free(database);
   if (DatabaseWriter::refuse_begun(database, options.resume)) {
     const auto loaded = load_scene(options.scene, true, {}, database);
     const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
@@ -113,19 +112,13 @@ void write_figures(const Options& options) {
   write_json(options.json_file, all);
 }
 
-/// Whether an earlier run of this scene has completed check.json.
-bool is_checked(const std::filesystem::path& file, const Scene& scene) {
+/// Whether an earlier run of this scene has completed check.json, `with_all` comparisons or those that it had time for.
+bool is_checked(const std::filesystem::path& file, const Scene& scene, bool with_all) {
   std::ifstream in(file);
   auto check = json::parse(in, nullptr, false);
-  return check.is_object() && check["interrupted"] == false && check["physics_hash"] == physics_hash(scene);
-}
-
-/// Whether a check had time for all comparisons.
-bool has_compared_all(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  const auto check = json::parse(in);
+  if (!check.is_object() || check["interrupted"] != false || check["physics_hash"] != physics_hash(scene)) return false;
   constexpr double rounding = 1.01;
-  return check["sufficient_seconds"] <= rounding * check["seconds"].get<double>();
+  return !with_all || check["sufficient_seconds"] <= rounding * check.value("seconds", 0.0);
 }
 
 /// Compares the finite elements with a finer solution within check_limit_s. A failure is a warning.
@@ -134,8 +127,8 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
            RunStages& run_stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
   const auto probes = scene.validation.check_probes;
-  // A scene with check_probes does not limit the time.
-  if (probes != 0 && options.resume && is_checked(file, scene) && (!probes || has_compared_all(file))) return true;
+  const bool is_limited = !probes;  // in time
+  if (probes != 0 && options.resume && is_checked(file, scene, !is_limited)) return true;
   if (probes == 0 && !std::filesystem::exists(file)) return false;
   run_stages.invalidate("check");
   std::filesystem::remove(file);
@@ -148,13 +141,13 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
     stages.push_back(stage("check", file,
                            {self, "check", options.scene.string(), "--mesh", (options.output / "mesh.msh").string(),
                             "--probes", std::to_string(probes.value_or(DiscretizationOptions().probes)), "--seconds",
-                            fmt::format("{:.3g}", probes ? 1e7 : seconds), "--json", file.string()},
+                            fmt::format("{:.3g}", is_limited ? seconds : 1e7), "--json", file.string()},
                            1));
   } catch (const Error&) {
     if (stop_requested()) throw;
     message("warning: the finite elements are not compared with a finer solution; the reason is above\n");
   }
-  return is_checked(file, scene);
+  return is_checked(file, scene, false);
 }
 
 /// Adds error bounds to the model or the body. A failure is a warning. @return whether there are bounds

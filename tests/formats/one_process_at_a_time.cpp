@@ -19,9 +19,9 @@ TEST_F(Lock, is_refused_to_a_second_process_by_name) {
     EXPECT_EQ(lock.warning(), "");
     const auto own = "process " + std::to_string(getpid());
     expect_names(refusal([&] { DatabaseLock second(file); }), {file.c_str(), own.c_str(), "wait"});
-    expect_names(DatabaseLock::holder(file), {own.c_str()});
+    expect_names(refusal([&] { DatabaseLock::require_free(file); }), {file.c_str(), own.c_str(), "wait"});
   }
-  EXPECT_EQ(DatabaseLock::holder(file), "");
+  DatabaseLock::require_free(file);
   EXPECT_FALSE(fs::exists(log)) << "an empty folder stays behind";
   const DatabaseLock again(file);
 }

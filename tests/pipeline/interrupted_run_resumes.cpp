@@ -1,6 +1,7 @@
 // Claim: a killed or interrupted run keeps its finished rays, and --resume leads to the database of an uninterrupted
 // run. The process is killed after a fixed number of logged rays, which the size of the log shows.
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/database_lock.hpp>
 
 #include "command_line.hpp"
 #include "same_results.hpp"
@@ -86,6 +87,13 @@ TEST_F(Interrupted, CheckThatFailsCostsTheDistanceAlone) {
     EXPECT_EQ(read_file(folder / out / "model/model.txt"), read_file(folder / "whole/model/model.txt")) << out;
   }
   EXPECT_EQ(read_file(folder / "stopped/database.h5"), kept);
+
+  {
+    const DatabaseLock lock(folder / "stopped/database.h5");
+    for (const char* resume : {"", " --resume"})
+      expect_names(be_refused(std::string("run scene.toml -o stopped") + resume).err,
+                   {"is in use", "process " + std::to_string(getpid())});
+  }
 
   // A scene with check_probes does not limit the time, so that a check which lacked time is made again.
   auto check = json("whole/check.json");

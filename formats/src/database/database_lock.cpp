@@ -22,6 +22,11 @@ std::string read_name(const std::filesystem::path& lock) {
   return name.empty() ? "another process" : name;
 }
 
+Error in_use(const std::filesystem::path& file) {
+  return input_error("the database " + file.string() + " is in use", read_name(path_of_lock(file)),
+                     "wait until this process ends, or stop it, and run again with --resume");
+}
+
 }  // namespace
 
 struct DatabaseLock::Impl {
@@ -49,8 +54,7 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
     const int code = errno;
     if (code == EWOULDBLOCK) {
       ::close(lock);
-      throw input_error("the database " + file.string() + " is in use", read_name(path),
-                        "wait until this process ends, or stop it, and run again with --resume");
+      throw in_use(file);
     }
     warning = path.string() + " cannot be locked (" + std::generic_category().message(code) +
               "): make sure that no other process works on this database";
@@ -61,13 +65,12 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
   std::ofstream(path) << "process " << ::getpid() << " on " << host;  // on a full disk the lock is valid without it
 }
 
-std::string DatabaseLock::holder(const std::filesystem::path& file) {
-  const auto path = path_of_lock(file);
-  const int lock = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (lock < 0) return "";
+void DatabaseLock::require_free(const std::filesystem::path& file) {
+  const int lock = ::open(path_of_lock(file).c_str(), O_RDONLY | O_CLOEXEC);
+  if (lock < 0) return;
   const bool held = ::flock(lock, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   ::close(lock);
-  return held ? read_name(path) : "";
+  if (held) throw in_use(file);
 }
 
 const std::string& DatabaseLock::warning() const { return _impl->warning; }

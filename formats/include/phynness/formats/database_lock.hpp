@@ -17,8 +17,8 @@ class DatabaseLock {
   /// writable
   explicit DatabaseLock(const std::filesystem::path& file);
 
-  /// The process that holds the lock of `file`; empty if there is none or if the file system has no locks.
-  static std::string holder(const std::filesystem::path& file);
+  /// Throws the same error without a lock of its own. On file systems without locks there is none.
+  static void require_free(const std::filesystem::path& file);
 
   /// Empty, or the reason why the lock gives no protection, as on network file systems without locks.
   const std::string& warning() const;
