@@ -22,7 +22,7 @@ struct Options {
 /// The option with twice the estimated time of all comparisons, because a busy machine takes longer, rounded up to two
 /// digits.
 std::string sufficient_limit(const DiscretizationReport& report) {
-  const double seconds = std::max(1.0, 2 * std::max(report.sufficient_s, report.at_rest.sufficient_s)),
+  const double seconds = std::max(1.0, 2 * report.all_sufficient_s()),
                unit = std::pow(10, std::floor(std::log10(seconds)) - 1);
   return fmt::format("--seconds {:.0f}", std::ceil(unit * std::ceil(seconds / unit)));
 }

@@ -141,6 +141,8 @@ json print_cells_across(const LoadedScene& loaded);
 void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 /// Prints choice_note() on stderr.
 void print_choice_note(const LoadedScene& loaded);
+/// Says that a model that was written has no bounds, unless its family is exact.
+void print_missing_bounds(Family family);
 
 /// Checks by its hash that a mesh file belongs to the scene. Built-in shapes are covered by the physics hash, because
 /// their meshes depend on the version of gmsh.

@@ -204,6 +204,11 @@ void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& 
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
+void print_missing_bounds(Family family) {
+  if (!schema::traits(family).proportional)
+    print_result("it has no bounds of its errors; phynness calibrate adds them\n");
+}
+
 void print_choice_note(const LoadedScene& loaded) {
   if (const auto note = choice_note(loaded.scene, loaded.mesh, loaded.sets); !note.empty()) message("note: {}\n", note);
 }
@@ -277,9 +282,11 @@ void ToolOptions::add_to(CLI::App& command) {
   command.add_option("--node", nodes, "number of the touched node, starting with 0; repeat for several tools")
       ->allow_extra_args(false);
   command
-      .add_option("--point", points,
-                  "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used, not "
-                  "farther than a twentieth of the body's diagonal; repeat for several tools")
+      .add_option(
+          "--point", points,
+          fmt::format("touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is "
+                      "used, at most {:g} % of the body's diagonal away; repeat for several tools",
+                      100 * largest_distance))
       ->allow_extra_args(false);
   command
       .add_option("--displacement", displacements,

@@ -161,7 +161,6 @@ void run_queries(const Options& options) {
 
 void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
                  const std::optional<double>& bound_N) {
-  const bool has_bounds = body ? body->has_bounds() : model.has_bounds();
   if (bound_N)
     print_result(
         "error of the force{}: at most {:.3g} N for {:g} % of random displacements\n",
@@ -169,14 +168,12 @@ void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body,
         100 * (body ? read_body_text(body->text(), body->name()).coverage : model.model().bounds.at(0).coverage));
   else if ((status & PHN_WARNING_OUTSIDE) != 0)
     print_result("error of the force: unknown outside of the trained range\n");
-  else if (!has_bounds)
-    print_result("error of the force: unknown, because {}\n",
-                 body ? "the body has no bounds; phynness calibrate --body adds them"
-                 : std::string_view(model.info().family) == "linear" ? "a model of this family has none"
-                 : model.level() + 1 < model.info().n_levels         ? "bounds are those of the finest level"
-                                                             : "the model has no bounds; phynness calibrate adds them");
+  else if (body ? !body->has_bounds() : model.model().bounds.empty())
+    print_result("error of the force: unknown, because the {} has no bounds; phynness calibrate{} adds them\n",
+                 body ? "body" : "model", body ? " --body" : "");
   else
-    print_result("error of the force: unknown, because bounds were not calibrated for such a place or so many tools\n");
+    print_result(
+        "error of the force: unknown, because bounds were not calibrated for such a place, level or number of tools\n");
 }
 
 void run_single(const Options& options) {
@@ -229,7 +226,9 @@ void run_single(const Options& options) {
     write_surface(model, body ? on_output(body->body_info(), u, output) : u, *options.surface);
     message("surface of {} triangles: {}\n", info.n_triangles, options.surface->string());
   });
-  if (bounds.empty() && (coupled || places.size() == 1)) print_bound(model, body, response.status, bound_N);
+  const bool is_exact = !body && schema::traits(model.model().family).proportional;
+  if (bounds.empty() && !is_exact && (coupled || places.size() == 1))
+    print_bound(model, body, response.status, bound_N);
   for (const auto& bound : bounds) print_bound(model, body, response.status, bound);
 }
 

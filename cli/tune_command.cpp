@@ -90,8 +90,8 @@ void run(const Options& options) {
   const auto write_model = [&] {
     if (!choice.chosen) return;
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
-    print_result("{} -> {}\nit has no bounds of its errors; phynness calibrate adds them\n",
-                 report.models[*choice.chosen].candidate.name, options.output.string());
+    print_result("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
+    print_missing_bounds(report.models[*choice.chosen].model.family);
   };
   write_each({write_model, [&] { write_json(options.json_file, as_json(report, choice)); }});
   if (!choice.chosen)

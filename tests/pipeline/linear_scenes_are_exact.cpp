@@ -57,6 +57,8 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
   EXPECT_EQ(eval.err.find("warning"), std::string::npos) << eval.err;
   const auto result = json("eval.json");
   EXPECT_EQ(result.at("status"), 0);
+  for (const auto& out : {eval.out, succeed("train out/database.h5 -o again").out})
+    EXPECT_EQ(out.find("bounds"), std::string::npos) << out;
   const auto force = result.at("tools").at(0).at("force").get<std::vector<double>>();
   const double work = 0.3 * force.at(0) - 0.4 * force.at(2);
   EXPECT_NEAR(result.at("energy").get<double>(), work / 2, 1e-12 * work);

@@ -125,6 +125,8 @@ struct DiscretizationReport {
   double sufficient_s = 0;  ///< estimated time of all probes
   bool interrupted = false;
 
+  /// Estimated time of all probes and of all comparisons at rest.
+  double all_sufficient_s() const { return std::max(sufficient_s, at_rest.sufficient_s); }
   RatioStatistics ratios(std::size_t depth) const;
   FinerDistance distance(const Scene& scene) const;
   static void describe(const auto& result, auto&& see) {
@@ -134,7 +136,7 @@ struct DiscretizationReport {
     for (std::size_t i = 0; i < result.depth_m.size(); ++i) all.push_back(result.ratios(i));
     see("ratios", all);
     PHYNNESS_SEE(nodes, near_share, probes, at_rest, left_out, interrupted, seconds);
-    see("sufficient_seconds", std::max(result.sufficient_s, result.at_rest.sufficient_s));
+    see("sufficient_seconds", result.all_sufficient_s());
   }
 };
 
