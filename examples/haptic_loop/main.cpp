@@ -130,7 +130,7 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     phn_loop_engage(loop[t]);
   }
   double largest = 0, change = 0, settled_change = 0, taken = 0, given = 0;
-  long unsettled = 0, outside = 0, near = 0, warned = 0, cycles = 0;
+  long unsettled = 0, outside = 0, near = 0, cycles = 0;
   phynness::Organ::Status status, last;
   for (double now_s = period_s; now_s < hand.duration_s(); now_s += period_s, ++cycles, last = status) {
     for (std::size_t t = 0; t < n; ++t) {
@@ -191,7 +191,6 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
     unsettled += status.unsettled();
     outside += status.outside();
     near += status.are_near();
-    warned += status.unsettled() || status.outside() || status.are_near();
     if (status < 0) return status;
   }
   if (largest == 0) {
@@ -200,9 +199,8 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
   }
   std::printf("%ld cycles, largest force %.3g N, largest change in a cycle %.3g %% of it, settled %.3g %%\n", cycles,
               largest, 100 * change / largest, 100 * settled_change / largest);
-  std::printf(
-      "%ld of %ld cycles have a warning: %ld unsettled, %ld of near tools, %ld outside of the probed part or depth\n",
-      warned, cycles, unsettled, near, outside);
+  std::printf("of %ld cycles, %ld unsettled, %ld of near tools, %ld outside of the probed part or depth\n", cycles,
+              unsettled, near, outside);
   if (2 * outside > cycles)
     std::printf("--at X,Y,Z moves the tools to another place, such as the middle of the probed part\n");
   if (!with_device)

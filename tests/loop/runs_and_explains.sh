@@ -15,7 +15,7 @@ within() {
   awk -v change="$1" -v unsettled="$2" -v given="$3" '
     { print }
     /largest change/ { force = $5; jump = $0; sub(/.*in a cycle /, "", jump); sub(/ .*/, "", jump) }
-    /unsettled/ { n = $8 }
+    /unsettled/ { n = $4 }
     /at most given/ { now = $0; sub(/.*at most given to it /, "", now); if (now + 0 > most) most = now + 0 }
     END { exit !(force > 0 && jump + 0 <= change && n <= unsettled && most + 0 <= given) }' ||
     { echo "expected at most $1 %, $2 cycles, $3 mJ"; exit 1; }

@@ -170,7 +170,7 @@ TEST(BoundBetween, DoesNotVanishBesideANode) {
   const phn_tool place = tool(1, 2, -1, 1 - away, away, d[0], d[1], d[2]);
   EXPECT_EQ(phn_bound(loaded.model, &place, &beside), PHN_OK);
   EXPECT_GT(at_node, 0);
-  // 10 of these distances: the bounds of the two nodes differ by less than ten times the first.
+  // The mean of the bounds differs from the first by this weight times their difference, which is below ten times it.
   EXPECT_NEAR(beside, at_node, 10 * away * at_node);
 }
 

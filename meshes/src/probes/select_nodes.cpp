@@ -98,19 +98,18 @@ NodeList spread_points(const Selector& s, const SelectableBody& body, const Want
   const bool enough = count > 0 && kept.size() > count;
   NodeList chosen = spread_nodes(body.mesh.nodes, body.mesh.surface, enough ? kept : nodes, spacing, count,
                                  enough ? NodeList() : kept);
-  if (count == 0 && chosen.size() < 3 && nodes.size() > chosen.size())
-    throw input_error(
-        wanted.place + (nodes.size() < 3 ? "the part of the surface is too small to spread points over"
-                                         : "the spacing is too large for the part of the surface that it is for"),
-        length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " + std::to_string(chosen.size()) +
-            " chosen",
-        nodes.size() < 3 ? std::string("widen the part until it has three nodes of the surface, or select "
-                                       "its nodes without a spacing")
-                         : "give a smaller spacing, such as " +
-                               length_text(extent_of(body.mesh.nodes(nodes, Eigen::all)).norm() / 8) +
-                               ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
-                               " if so few points are meant; is mesh.scale_to_m right?");
-  return chosen;
+  if (count > 0 || chosen.size() >= 3 || nodes.size() == chosen.size()) return chosen;
+  const std::string value = length_text(spacing) + ", of " + std::to_string(nodes.size()) + " nodes " +
+                            std::to_string(chosen.size()) + " chosen";
+  if (nodes.size() < 3)
+    throw input_error(wanted.place + "the part of the surface is too small to spread points over", value,
+                      "widen it until it has three nodes of the surface, or select its nodes without a spacing");
+  constexpr int points_across = 8;  // any number that gives triangles on all of the part
+  const double proposed_m = extent_of(body.mesh.nodes(nodes, Eigen::all)).norm() / points_across;
+  throw input_error(wanted.place + "the spacing is too large for the part of the surface that it is for", value,
+                    "give a smaller spacing, such as " + length_text(proposed_m) +
+                        ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +
+                        " if so few points are meant; is mesh.scale_to_m right?");
 }
 
 /// The nodes of a selector among the sorted `candidates`, which are all nodes or those of the surface, in any order.

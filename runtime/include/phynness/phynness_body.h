@@ -42,8 +42,7 @@ typedef struct phn_body_contents {
 } phn_body_contents;
 PHN_API int phn_body_info(const phn_body* body, phn_body_contents* info);
 
-/* As phn_nearest: on the whole free surface, with [probe] elsewhere = "none" within a tool's radius of a probed point.
- */
+/* As phn_nearest; with [probe] elsewhere = "none" only within a tool's radius of a probed point. */
 PHN_API int phn_body_nearest(const phn_body* body, const double x[3], phn_tool* tool, double point[3],
                              double* distance);
 
