@@ -41,7 +41,7 @@ void print_points(const Mesh& mesh, const std::vector<std::int32_t>& active, con
   const auto spread = probe_spread(mesh.nodes, mesh.surface, active, fixed, covered);
   print_result(
       "points    {} spread over the surface, {:.3g} mm from their nearest neighbours in the median, {:.3g} mm at most; "
-      "a tool is between them on {:.1f} % of the area that can move\n",
+      "a tool is between them on {:.3g} % of the area that can move\n",
       active.size(), 1e3 * spread.median_m, 1e3 * spread.largest_m, 100 * spread.covered);
 }
 
@@ -277,7 +277,7 @@ json about_model(const std::filesystem::path& dir) {
   const auto area = touched_area(m, model.mesh());
   if (m.covered.rows() > 0) print_points(model.mesh(), active, m.fixed, probed_nodes(m));
   if (!m.linear_points.empty())
-    print_result("elsewhere {} points answer as the body at rest: {:.1f} % of the area is linear\n",
+    print_result("elsewhere {} points answer as the body at rest: {:.3g} % of the area is linear\n",
                  m.linear_points.size(), 100 * area.linear);
   const json surface =
       record("nonlinear", area.nonlinear, "linear", area.linear, "linear_points", m.linear_points.size());
@@ -423,6 +423,7 @@ json about_mesh(const std::filesystem::path& file) {
                surface.max_edge_m, surface.mean_edge_m);
   print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
   const auto worst = worst_cells(result.mesh, {});
+  if (!worst.empty()) print_result("worst cells\n");
   for (const auto& cell : worst) print_result("  {}\n", cell.str(1, " (file units)"));
   return record("kind", "mesh", "mesh_hash", mesh_hash(result.mesh), "nodes", q.n_nodes, "tetrahedra",
                 shell ? 0 : q.n_cells, "shell_triangles", shell ? q.n_cells : 0, "box", json::array({q.min_m, q.max_m}),

@@ -115,6 +115,23 @@ TEST_F(Interruption, resuming_with_another_physics_names_every_key_that_differs)
   EXPECT_EQ(message.find("probe.kind"), std::string::npos) << message;
 }
 
+TEST_F(Interruption, resuming_with_a_deeper_scene_names_the_increments_that_keep_the_rays) {
+  const auto header = [](double depth_m, int increments) {
+    auto scene = database_scene;
+    scene.resize(scene.find("max_displacement_m"));
+    const auto n = std::to_string(increments);
+    auto h = small_header(false, scene + "max_displacement_m = " + std::to_string(depth_m) + "\nincrements = " + n);
+    h.magnitudes_m.clear();
+    for (int i = 1; i <= increments; ++i) h.magnitudes_m.push_back(depth_m * i / increments);
+    return h;
+  };
+  DatabaseWriter::create(file, header(0.02, 4), false);
+  expect_names(refusal([&] { DatabaseWriter::create(file, header(0.028, 4), true); }),
+               {"other increments", "4 to 0.02 m in the file, 4 to 0.028 m now",
+                "increments = 6 and max_displacement_m = 0.03,", "another file"});
+  EXPECT_EQ(coverage(header(0.02, 4), header(0.03, 6)), Coverage::part);
+}
+
 TEST_F(Interruption, resuming_with_another_training_is_fine) {
   write_logs(small_header(false));
   DatabaseWriter::create(file, small_header(false, database_scene + "[training]\nsamples = 7\n"), true);

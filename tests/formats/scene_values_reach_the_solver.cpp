@@ -136,7 +136,7 @@ TEST(Warnings, are_absent_from_the_demo) {
 
 TEST(Warnings, say_ratios_in_words) {
   for (const auto& [ratio, words] : {std::pair{4.51, "4.5 times too large"}, std::pair{27.2, "27 times too large"},
-                                     std::pair{1.12, "12 % too large"}, std::pair{1.02, "right within 5 %"},
+                                     std::pair{1.12, "12 % too large"}, std::pair{1.02, "within 5 %"},
                                      std::pair{0.8, "20 % too small"}, std::pair{1.97, "97 % too large"}})
     EXPECT_EQ(ratio_in_words(ratio), words);
 }

@@ -100,6 +100,8 @@ TEST(BuiltInShapes, ImpossibleWishesAreRefused) {
   scene.mesh.where = {"scene.toml", 3};
   scene.mesh.target_size_m = 1e-6;
   expect_names(error_of([&] { make_mesh(scene); }), {"scene.toml:3", "1e-06 m"});
+  scene.mesh.target_size_m = 14;  // millimetres
+  expect_names(error_of([&] { make_mesh(scene); }), {"scene.toml:3", "14 m", "too large for the body", "in metres"});
 }
 
 }  // namespace

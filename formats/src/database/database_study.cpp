@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <map>
 #include <phynness/formats/error.hpp>
 #include <sstream>
@@ -72,6 +73,16 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   return text;
 }
 
+/// The keys with which a scene of this depth has the increments of a database.
+std::string deeper(const std::vector<double>& magnitudes_m, double depth_m) {
+  const double step_m = magnitudes_m.front();
+  const double n = std::max(static_cast<double>(magnitudes_m.size()), std::ceil((1 - rounding) * depth_m / step_m));
+  std::ostringstream text;
+  text << std::setprecision(14) << "keep the length of its increments: increments = " << n
+       << " and max_displacement_m = " << n * step_m;
+  return text.str();
+}
+
 std::string count_of(const Mesh& mesh) {
   return std::to_string(mesh.n_nodes()) + " nodes, " + std::to_string(mesh.n_cells()) + " cells, ";
 }
@@ -136,6 +147,11 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
                       lost->values, "select these nodes, too, or write to another file");
   }
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
+  if (std::ranges::count_if(all, &Difference::of_rays) == 1 && !begin_with(wanted.magnitudes_m, on_disk.magnitudes_m)) {
+    const auto& reason = *std::ranges::find_if(all, &Difference::of_rays);
+    throw input_error("the database " + file.string() + " has " + reason.what, reason.values,
+                      deeper(on_disk.magnitudes_m, wanted.magnitudes_m.back()) + ", or write to another file");
+  }
   throw input_error(
       "the database " + file.string() + " has " + all.front().what, all.front().values,
       !physics && on_disk.mesh_hash != wanted.mesh_hash

@@ -54,7 +54,7 @@ enum {
   PHN_ERROR_BUFFER = -4,          /* the memory is smaller than the _size function returned */
   PHN_ERROR_TOOLS = -5,           /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
   PHN_ERROR_ROUND_TOOLS = -6,     /* two round tools on a model, which answers one; a body answers several */
-  PHN_ERROR_UNDEFINED = -7,       /* the model or the node has no such response, e.g. no energy or no deformation */
+  PHN_ERROR_UNDEFINED = -7,       /* the model or the node has no such response, e.g. no energy or no bound */
   PHN_ERROR_CLOCK = -8,           /* the time of a step is not later than that of the step before (phynness_loop.h) */
   PHN_ERROR_NOT_A_MODEL = -9,     /* the text is not a model.txt, or the bytes are not an image */
   PHN_ERROR_VERSION = -10,        /* the model, or a struct with reserved words that are not 0, is of another version */

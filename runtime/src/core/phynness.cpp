@@ -28,7 +28,7 @@ const char* const messages[] = {
     "this version, or compile the program with its headers",
     "this is not a phynness model (or body, where one is read)",
     "the time of a step is not later than that of the step before",
-    "the model's family or the node has no such response, for example no energy or no deformation",
+    "the model's family or the node has no such response, such as an energy, a deformation or a bound",
     // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
     "a model of round tools answers one tool; several need the reduced body that phynness run makes of a scene with "
     "tools = 2 to 8 in [probe], of the elements p1-p1 and es-p1-p1",

@@ -46,7 +46,7 @@ std::string ratio_in_words(double ratio) {
   if (ratio >= 1.995) return fixed(ratio, ratio < 9.95 ? 1 : 0) + " times too large";
   if (ratio > 1.05) return fixed(100 * (ratio - 1), 0) + " % too large";
   if (ratio < 0.95) return fixed(100 * (1 - ratio), 0) + " % too small";
-  return "right within 5 %";
+  return "within 5 %";
 }
 
 std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) {
