@@ -31,16 +31,19 @@ sed -n '/^    cmake_minimum_required/,/^$/p' "$runtime/../docs/howto/embed.md" >
 "$cmake" -S "$work/page" -B "$work/page/build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/page/build" >> "$work.log"
 "$work/page/build/my_device" "$runtime/../examples/model/model.txt" 95 0 0 -0.01 > /dev/null
-# The programs of that page: its C finds the sample model, its C++ says which file it lacks.
-page_program() { sed -n "/^    #include <phynness\/phynness.$1>/,/^    }$/p" "$runtime/../docs/howto/embed.md"; }
-page_program h > "$work/page/page.c"
-page_program hpp > "$work/page/page.cpp"
+# The programs of that page: its C finds the sample model and refuses another body, its C++ says which file it lacks.
+page_program() { sed -n "/^    #include <phynness\/phynness$1>/,/^    }$/p" "$runtime/../docs/howto/embed.md"; }
+page_program .h > "$work/page/page.c"
+page_program .hpp > "$work/page/page.cpp"
+page_program _body.h > "$work/page/body.c"
 library=("-I$work/prefix/include" "$(find "$work/prefix" -name libphynness_runtime.a)")
 "${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/page/page.c" "${library[@]}" -lm -o "$work/page/c"
+"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$work/page/body.c" "${library[@]}" -lm -o "$work/page/body"
 "${CXX:-c++}" -std=c++17 -fno-exceptions -Wall -Wextra -Werror "$work/page/page.cpp" "${library[@]}" -o "$work/page/cpp"
 said=$("$work/page/c" "$runtime/../examples/model/model.txt")
 [[ $said == *"N: success"*"at most "*" N off" ]]
 said=$("$work/page/c" "$runtime/../LICENSE") || [[ $said == "byte 1: this is not a phynness model"* ]]
+said=$("$work/page/body" "$runtime/../LICENSE") || [[ $said == "byte 1: "* ]]
 said=$(cd "$work/page" && ./cpp) || [[ $said == "out/demo/model: "* ]]
 # The example of a haptic loop, outside of the repository, against what is installed.
 cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
