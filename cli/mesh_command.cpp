@@ -55,8 +55,8 @@ void run(const Options& options) {
                  1e6 * q.volume_m3);
   print_result(", x {:.3g} to {:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} mm\n", 1e3 * q.min_m[0], 1e3 * q.max_m[0],
                1e3 * q.min_m[1], 1e3 * q.max_m[1], 1e3 * q.min_m[2], 1e3 * q.max_m[2]);
-  print_result("edges {:.3g} to {:.3g} mm, mean {:.3g} mm; {} slivers with quality below {}\n",
-               1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.n_slivers, sliver_quality);
+  print_result("edges {:.3g} to {:.3g} mm, mean {:.3g} mm; {} slivers with quality below {}\n", 1e3 * q.min_edge_m,
+               1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.n_slivers, sliver_quality);
   const json worst = print_worst_cells(loaded.mesh, s.fixed);
   print_result("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
   const json across = print_cells_across(loaded);

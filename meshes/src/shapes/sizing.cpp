@@ -56,8 +56,8 @@ void require_short(const Extent& extent, double edge_m, const std::string& place
   std::ostringstream value, remedy;
   value << edge_m << " m, where the surface of the body has " << extent.area_m2 << " m^2";
   constexpr double proposed_nodes = 1000;
-  remedy << std::setprecision(2) << "give a smaller mesh.target_size_m in metres, such as " << edge_for(extent, proposed_nodes)
-         << ", or check mesh.scale_to_m";
+  remedy << std::setprecision(2) << "give a smaller mesh.target_size_m in metres, such as "
+         << edge_for(extent, proposed_nodes) << ", or check mesh.scale_to_m";
   throw input_error(place + ": mesh.target_size_m is too large for the body", value.str(), remedy.str());
 }
 
