@@ -148,7 +148,7 @@ TEST(SpreadNodes, KeepWhatIsThere) {
 // covered, the weights are at least 0 and have the sum 1, a probed node has its own weight only, and the coordinates
 // give the place of a node up to what the triangle lies below the sphere: at most L^2 / 2 for a longest edge L.
 TEST(ProbeCoordinates, CoverTheSurface) {
-  const Mesh mesh = sphere(4);
+  const Mesh mesh = sphere(3);
   const auto all = where(mesh, everywhere);
   for (const double spacing : {0.15, 0.25, 0.4}) {
     const auto probed = spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0);
@@ -437,7 +437,7 @@ TEST(ProbeCoordinates, EndAtTheEdgesOfAThinPlate) {
   const Mesh mesh = plate(30);
   const auto upper = where(mesh, [](const Eigen::RowVector3d& x) { return x[2] == 0.5; });
   const auto all = where(mesh, everywhere);
-  for (const double spacing : {3, 5, 8, 10}) {
+  for (const double spacing : {3, 10}) {
     const auto probed = spread_nodes(mesh.nodes, mesh.surface, upper, spacing, 0);
     Model model = model_of(mesh, probed);
     for (const auto node : spread_nodes(mesh.nodes, mesh.surface, all, spacing, 0, probed))
