@@ -71,14 +71,15 @@ void print(const Scene& scene, const DiscretizationReport& report) {
   print_result("{}\n", duration(report.seconds));
 }
 
-json as_json(const LoadedScene& loaded, const DiscretizationReport& report) {
+json as_json(const LoadedScene& loaded, const DiscretizationReport& report, int most_probes) {
   const Scene& scene = loaded.scene;
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
-  json out = record("element", name(scene.solver.element), "bulk_to_shear", most_locked(scene).bulk_to_shear(),
-                    "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash",
-                    mesh_hash(loaded.mesh), "physics_hash", physics_hash(scene), "distance", report.distance(scene));
+  json out =
+      record("element", name(scene.solver.element), "bulk_to_shear", most_locked(scene).bulk_to_shear(),
+             "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash", mesh_hash(loaded.mesh),
+             "physics_hash", physics_hash(scene), "distance", report.distance(scene), "most_probes", most_probes);
   out.update(figures(report));
   return out;
 }
@@ -173,7 +174,7 @@ void run(const Options& given_options) {
   const auto report = check_discretization(loaded.scene, loaded.mesh, loaded.sets, options.check,
                                            Progress("check", "rays").counter(), stop_requested);
   print(loaded.scene, report);
-  write_each({[&] { write_json(options.json_file, as_json(loaded, report)); },
+  write_each({[&] { write_json(options.json_file, as_json(loaded, report, options.check.probes)); },
               [&] { require_figures(options, loaded.scene, report); }});
 }
 

@@ -112,13 +112,18 @@ void write_figures(const Options& options) {
   write_json(options.json_file, all);
 }
 
+/// Largest number of probes of the check of a scene; 0: there is none.
+int check_probes(const Scene& scene) { return scene.validation.check_probes.value_or(DiscretizationOptions().probes); }
+
 /// Whether an earlier run of this scene has completed check.json, `with_all` comparisons or those that it had time for.
 bool is_checked(const std::filesystem::path& file, const Scene& scene, bool with_all) {
   std::ifstream in(file);
-  auto check = json::parse(in, nullptr, false);
+  auto check = std::filesystem::is_regular_file(file) ? json::parse(in, nullptr, false) : json();
   if (!check.is_object() || check["interrupted"] != false || check["physics_hash"] != physics_hash(scene)) return false;
+  const auto number = [&](const char* key) { return check[key].is_number() ? check[key].get<double>() : 0; };
   constexpr double rounding = 1.01;
-  return !with_all || check["sufficient_seconds"] <= rounding * check.value("seconds", 0.0);
+  return number("most_probes") >= check_probes(scene) &&
+         (!with_all || number("sufficient_seconds") <= rounding * number("seconds"));
 }
 
 /// Compares the finite elements with a finer solution within check_limit_s. A failure is a warning.
@@ -126,8 +131,8 @@ bool is_checked(const std::filesystem::path& file, const Scene& scene, bool with
 bool check(const Options& options, const Scene& scene, const std::string& self, std::vector<Stage>& stages,
            RunStages& run_stages) {
   const auto file = options.output / "check.json", database = options.output / "database.h5";
-  const auto probes = scene.validation.check_probes;
-  const bool is_limited = !probes;  // in time
+  const int probes = check_probes(scene);
+  const bool is_limited = !scene.validation.check_probes;  // in time
   if (probes != 0 && options.resume && is_checked(file, scene, !is_limited)) return true;
   if (probes == 0 && !std::filesystem::exists(file)) return false;
   run_stages.invalidate("check");
@@ -140,7 +145,7 @@ bool check(const Options& options, const Scene& scene, const std::string& self, 
   try {
     stages.push_back(stage("check", file,
                            {self, "check", options.scene.string(), "--mesh", (options.output / "mesh.msh").string(),
-                            "--probes", std::to_string(probes.value_or(DiscretizationOptions().probes)), "--seconds",
+                            "--probes", std::to_string(probes), "--seconds",
                             fmt::format("{:.3g}", is_limited ? seconds : 1e7), "--json", file.string()},
                            1));
   } catch (const Error&) {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <phynness/formats/input_file.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/validation/named_organ.hpp>
 
@@ -54,8 +54,8 @@ FinerDistance distance_of(const std::filesystem::path& file, const Scene& scene,
                        "run phynness check SCENE --json FILE again");
   };
   try {
-    std::ifstream in(file);
-    const auto check = json::parse(in);
+    const InputFile about{"the file of check --json", "run phynness check SCENE --json FILE", 1 << 30};
+    const auto check = json::parse(read_input_file(file, about));
     if (check.at("mesh_hash") != header.mesh_hash || check.at("physics_hash") != header.physics_hash)
       throw refuse("another mesh or physics");
     const auto& distance_json = check.at("distance");

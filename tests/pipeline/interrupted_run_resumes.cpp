@@ -102,6 +102,11 @@ TEST_F(Interrupted, CheckThatFailsCostsTheDistanceAlone) {
   write_file(folder / "whole/check.json", check.dump());
   succeed("run scene.toml --resume -o whole");
   EXPECT_LT(json("whole/check.json").at("sufficient_seconds"), 1000);
+
+  EXPECT_EQ(json("whole/check.json").at("most_probes"), 2);
+  write_file(folder / "scene.toml", changed(small_scene(), "check_probes = 0", "check_probes = 3"));
+  succeed("run scene.toml --resume -o whole");
+  EXPECT_EQ(json("whole/check.json").at("most_probes"), 3);
 }
 
 }  // namespace

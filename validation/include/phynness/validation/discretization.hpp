@@ -125,7 +125,7 @@ struct DiscretizationReport {
   double sufficient_s = 0;  ///< estimated time of all probes
   bool interrupted = false;
 
-  /// Estimated time of all probes and of all comparisons at rest.
+  /// Estimated time of all probes or, if that is longer, of all comparisons at rest.
   double all_sufficient_s() const { return std::max(sufficient_s, at_rest.sufficient_s); }
   RatioStatistics ratios(std::size_t depth) const;
   FinerDistance distance(const Scene& scene) const;
