@@ -159,7 +159,8 @@ void run_queries(const Options& options) {
   answer_queries(options.queries, answers);
 }
 
-void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body, int status,
+/// Imported models name no element and cannot be calibrated.
+void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body, std::size_t n_tools, int status,
                  const std::optional<double>& bound_N) {
   if (bound_N)
     print_result(
@@ -168,9 +169,13 @@ void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body,
         100 * (body ? read_body_text(body->text(), body->name()).coverage : model.model().bounds.at(0).coverage));
   else if ((status & PHN_WARNING_OUTSIDE) != 0)
     print_result("error of the force: unknown outside of the trained range\n");
+  else if (!body && n_tools > 1)
+    print_result("error of the force: unknown, because bounds of a model are those of one tool\n");
   else if (body ? !body->has_bounds() : model.model().bounds.empty())
-    print_result("error of the force: unknown, because the {} has no bounds; phynness calibrate{} adds them\n",
-                 body ? "body" : "model", body ? " --body" : "");
+    print_result("error of the force: unknown, because the {} has no bounds{}\n", body ? "body" : "model",
+                 body                                       ? "; phynness calibrate --body adds them"
+                 : *model.info().provenance.element != '\0' ? "; phynness calibrate adds them"
+                                                            : "");
   else
     print_result(
         "error of the force: unknown, because bounds were not calibrated for such a place, level or number of tools\n");
@@ -228,8 +233,8 @@ void run_single(const Options& options) {
   });
   const bool is_exact = !body && schema::traits(model.model().family).proportional;
   if (bounds.empty() && !is_exact && (coupled || places.size() == 1))
-    print_bound(model, body, response.status, bound_N);
-  for (const auto& bound : bounds) print_bound(model, body, response.status, bound);
+    print_bound(model, body, places.size(), response.status, bound_N);
+  for (const auto& bound : bounds) print_bound(model, body, places.size(), response.status, bound);
 }
 
 void run(const Options& options) {

@@ -6,7 +6,9 @@
 // solution: it holds for forces that `solve` finds with Taylor-Hood elements, where the bound from the model's own
 // elements does not; model, info and eval name the reference; references that are none are refused.
 #include <cmath>
+#include <iomanip>
 #include <phynness/formats/model.hpp>
+#include <sstream>
 
 #include "../model_dir.hpp"
 #include "command_line.hpp"
@@ -79,11 +81,27 @@ TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
       "eval b --node " + node + " --displacement 0,0,-0.001 --node " + other + " --displacement 0,0.001,0";
   // Bounds of a model are of one tool.
   expect_names(succeed(pair + " --json e.json").out,
-               {"error of the force: unknown, because bounds were not calibrated"});
+               {"error of the force: unknown, because bounds of a model are those of one tool"});
   EXPECT_FALSE(json("e.json").contains("bounds_N"));
   expect_names(succeed("eval m --node " + node + " --displacement 0,0,-0.004 --json e.json").out,
                {"error of the force: unknown, because the model has no bounds; phynness calibrate adds them"});
   EXPECT_FALSE(json("e.json").contains("bound_N"));
+}
+
+TEST_F(Calibrate, BoundsAreThoseOfTheFullLevel) {
+  write_file(folder / "levels.toml", with_training(CommandLine::small_scene("P1", 3), "levels = 2"));
+  succeed("train levels.toml d.h5 -o l --family modal");
+  succeed("calibrate l d.h5 -o lb --rays 100");
+  const auto [model, mesh] = read_model_dir(folder / "lb");
+  const auto node = model.nodes[0].node;
+  std::ostringstream point;
+  point << " --point " << std::setprecision(17) << mesh.nodes(node, 0) << ',' << mesh.nodes(node, 1) << ','
+        << mesh.nodes(node, 2);
+  for (const auto& place : {" --node " + std::to_string(node), point.str()})
+    for (const int level : {0, 1})
+      expect_names(
+          succeed("eval lb" + place + " --displacement 0,0,-0.004 --level " + std::to_string(level)).out,
+          {level == 1 ? "error of the force: at most" : "because bounds were not calibrated for such a place"});
 }
 
 TEST_F(Calibrate, RanksDoNotMatterButTheSeedDoes) {

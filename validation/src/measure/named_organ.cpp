@@ -202,7 +202,8 @@ OrganResponse NamedOrgan::hold(const std::vector<phn_tool>& tools) const {
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
   if (_is_body || info().has_energy != 0) response.energy_J = response.report.energy_J;
   double bounds[PHN_MOST_COUPLED];
-  if (_organ.bound(bounds).ok())
+  const bool is_of_full_level = _is_body || level() + 1 == info().n_levels;
+  if (is_of_full_level && _organ.bound(bounds).ok())
     for (std::size_t t = 0; t < n_tools; ++t)
       response.bound_N.push_back(bounds[t] < PHN_NO_BOUND ? std::optional(bounds[t]) : std::nullopt);
   response.displacement_m.resize(static_cast<Eigen::Index>(_organ.n_deform() / 3), 3);

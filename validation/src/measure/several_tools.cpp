@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/schema/body_grammar.hpp>
@@ -176,7 +176,7 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
   std::vector<std::pair<double, double>> errors[2], near;
   ToolErrors out;
   std::int64_t steps = 0;
-  const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t begin = std::clock();
   for (const auto& state : solved) {
     if (progress) progress(&state - solved.data() + 1, std::ssize(solved));
     if (schema::least_body_modes(static_cast<std::int32_t>(state.tools.size())) > n_modes) continue;
@@ -198,7 +198,7 @@ ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& 
     (is_near ? near : errors[state.tools.size() > 2]).emplace_back(largest_error / largest, state.weight);
     out.unsettled += (response.status & PHN_WARNING_UNSETTLED) != 0;
   }
-  out.step_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() /
+  out.step_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC /
                static_cast<double>(std::max<std::int64_t>(1, steps));
   out.pairs = weighted_statistics(errors[0]);
   out.triples = weighted_statistics(errors[1]);
