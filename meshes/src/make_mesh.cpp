@@ -79,7 +79,7 @@ MeshResult sized(const MeshSpec& spec, const Extent& extent, const std::function
     return mesh_at(edge_m);
   };
   if (spec.target_nodes) return meet_node_target(*spec.target_nodes, extent, place(spec), affordable);
-  require_short(extent, *spec.target_size_m, place(spec));
+  require_short(extent, *spec.target_size_m, spec.shape == Shape::none, place(spec));
   constexpr int most_tries = 6;
   double edge_m = *spec.target_size_m;
   for (int n = 1;; ++n) try {

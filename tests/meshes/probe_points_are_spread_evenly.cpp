@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <phynness/formats/model.hpp>
+#include <phynness/meshes/meshes.hpp>
 #include <phynness/meshes/probe_points.hpp>
 #include <phynness/meshes/tool_weights.hpp>
 
@@ -446,6 +447,24 @@ TEST(ProbeCoordinates, EndAtTheEdgesOfAThinPlate) {
     const auto answered = probed_nodes(model);
     EXPECT_TRUE(std::ranges::includes(upper, answered)) << spacing;
     EXPECT_GE(std::ssize(answered), std::ssize(upper) - 40) << spacing;
+  }
+}
+
+// Claim: points that answer as the body at rest are chosen once, also where the tool is as wide as the probed part.
+TEST(ProbeCoordinates, LinearPointsAreDistinct) {
+  const Mesh mesh = plate(20);
+  NodeSets sets;
+  sets.active = where(mesh, [](const Eigen::RowVector3d& x) {
+    return x[2] == 0.5 && x.head<2>().minCoeff() > 5 && x.head<2>().maxCoeff() < 15;
+  });
+  Scene scene;
+  scene.active = {Selector{.kind = SelectorKind::spread}};
+  scene.probe.kind = ProbeKind::patch;
+  for (const double radius : {3, 5, 8, 12, 20}) {
+    scene.probe.tool_radius_m = radius;
+    select_elsewhere(scene, mesh, sets);
+    EXPECT_EQ(std::ranges::adjacent_find(sets.linear), sets.linear.end()) << radius;
+    EXPECT_FALSE(sets.linear.empty());
   }
 }
 

@@ -166,7 +166,7 @@ TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {
   EXPECT_TRUE(contains(text, "triangles between the points, such as at node ") &&
               contains(text, ", have edges longer than the radius"))
       << text;
-  EXPECT_TRUE(contains(text, "spacing = \"auto\" covers the surface")) << text;
+  EXPECT_TRUE(contains(text, "spacing = \"auto\" covers the part")) << text;
 }
 
 // Claim: spacing = "auto" that probes every node is named where many are probed, and with a spacing that follows the
@@ -189,7 +189,7 @@ TEST(Selections, ThatAreSpreadByTheToolAskForWhatHelps) {
   EXPECT_TRUE(contains(gaps, "edges of at most the radius, tool_radius_m = 1.2") &&
               contains(gaps, "smaller target_size_m"))
       << gaps;
-  EXPECT_FALSE(contains(gaps, "covers the surface")) << gaps;
+  EXPECT_FALSE(contains(gaps, "covers the part")) << gaps;
   EXPECT_EQ(warnings(grid(), 1.2, "{ difference = [{ spacing = \"auto\" }, \"fixed\"] }"), gaps);
 }
 

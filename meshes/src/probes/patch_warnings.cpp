@@ -124,6 +124,9 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
   const auto made = probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, radius);
   const auto n = made.triangles.rows(), all = n + std::ssize(made.too_long);
   if (n > 0 && n == all) return "";
+  const bool has_triangles_of_mesh = std::ranges::any_of(mesh.surface.rowwise(), [&](const auto& corners) {
+    return std::ranges::all_of(corners, [&](auto i) { return std::ranges::binary_search(sets.active, i); });
+  });
   return place +
          (n == 0
               ? "no triangle between the " + n_points + " points"
@@ -131,10 +134,13 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
                     " triangles between the points, such as at node " + std::to_string(made.too_long.front()) + ",") +
          (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +
          ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
-         (n == 0 ? "between them" : "in these") +
-         (holds_automatic(scene.active) ? std::string("; give a finer mesh, such as a smaller target_size_m") +
-                                              also_remesh(scene.mesh) + ", or a part without nodes far from the others"
-                                        : "; spacing = \"auto\" covers the surface");
+         (n > 0                   ? "in these"
+          : has_triangles_of_mesh ? "between them except in triangles of the mesh, with larger errors"
+                                  : "between them") +
+         (holds_automatic(scene.active)
+              ? std::string("; give a finer mesh, such as a smaller target_size_m") + also_remesh(scene.mesh) +
+                    ", or a part without nodes far from the others"
+              : "; spacing = \"auto\" covers the part if most edges of the mesh are shorter than the radius");
 }
 
 }  // namespace

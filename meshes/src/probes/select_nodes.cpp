@@ -105,7 +105,8 @@ NodeList spread_points(const Selector& s, const SelectableBody& body, const Want
     throw input_error(wanted.place + "the part of the surface is too small to spread points over", value,
                       "widen it until it has three nodes of the surface, or select its nodes without a spacing");
   constexpr int points_across = 8;  // any number that gives triangles on all of the part
-  const double proposed_m = extent_of(body.mesh.nodes(nodes, Eigen::all)).norm() / points_across;
+  const double part_m = extent_of(body.mesh.nodes(nodes, Eigen::all)).norm(),
+               proposed_m = std::min(part_m / points_across, spacing / 2);
   throw input_error(wanted.place + "the spacing is too large for the part of the surface that it is for", value,
                     "give a smaller spacing, such as " + length_text(proposed_m) +
                         ", or count = " + std::to_string(std::max<std::size_t>(chosen.size(), 1)) +

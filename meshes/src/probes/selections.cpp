@@ -112,7 +112,7 @@ void select_elsewhere(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
     if (spreads(scene.active)) {
       const auto more = spread_over(without_coordinates(mesh, sets, radius_m), {});
       sets.linear.insert(sets.linear.end(), more.begin(), more.end());
-      std::ranges::sort(sets.linear);
+      sort_unique(sets.linear);
     }
   }
   sets.linear_tools = tools_of(mesh, sets.fixed, sets.linear, scene.probe.tool_radius_m);

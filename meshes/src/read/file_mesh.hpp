@@ -81,7 +81,7 @@ Extent extent_of_shape(const MeshSpec& shape);
 /// @throws Error if a mesh of this edge length would be so large that it is probably a mistake
 void require_affordable(const Extent& extent, double edge_m, const std::string& place);
 /// @throws Error if edges of this length would leave no node of the body
-void require_short(const Extent& extent, double edge_m, const std::string& place);
+void require_short(const Extent& extent, double edge_m, bool is_file, const std::string& place);
 
 /// Where meshing fails at an edge length, this part of it is tried, which gives a surface of different triangles.
 inline constexpr double slightly_finer = 0.98;

@@ -51,13 +51,13 @@ void require_affordable(const Extent& extent, double edge_m, const std::string& 
   throw input_error(place + ": the mesh would be too large", value.str(), remedy.str());
 }
 
-void require_short(const Extent& extent, double edge_m, const std::string& place) {
+void require_short(const Extent& extent, double edge_m, bool is_file, const std::string& place) {
   if (expected_nodes(extent, edge_m) >= 1) return;
   std::ostringstream value, remedy;
   value << edge_m << " m, where the surface of the body has " << extent.area_m2 << " m^2";
   constexpr double proposed_nodes = 1000;
   remedy << std::setprecision(2) << "give a smaller mesh.target_size_m in metres, such as "
-         << edge_for(extent, proposed_nodes) << ", or check mesh.scale_to_m";
+         << edge_for(extent, proposed_nodes) << (is_file ? ", or check mesh.scale_to_m" : "");
   throw input_error(place + ": mesh.target_size_m is too large for the body", value.str(), remedy.str());
 }
 
