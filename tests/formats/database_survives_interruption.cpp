@@ -111,7 +111,7 @@ TEST_F(Interruption, resuming_with_another_physics_names_every_key_that_differs)
   scene.replace(scene.find("increments = 3"), 14, "increments = 5");
   const auto message = refusal([&] { DatabaseWriter::create(file, small_header(false, scene), true); });
   expect_names(message, {"another physics", "material.shear_modulus_Pa: 500 in the file, 600 now",
-                         "probe.increments: 3 in the file, 5 now", "another file"});
+                         "probe.increments: 3 in the file, 5 now", "another -o"});
   EXPECT_EQ(message.find("probe.kind"), std::string::npos) << message;
 }
 
@@ -128,7 +128,7 @@ TEST_F(Interruption, resuming_with_a_deeper_scene_names_the_increments_that_keep
   DatabaseWriter::create(file, header(0.02, 4), false);
   expect_names(refusal([&] { DatabaseWriter::create(file, header(0.028, 4), true); }),
                {"other increments", "4 to 0.02 m in the file, 4 to 0.028 m now",
-                "increments = 6 and max_displacement_m = 0.03,", "another file"});
+                "increments = 6 and max_displacement_m = 0.03,", "another -o"});
   EXPECT_EQ(coverage(header(0.02, 4), header(0.03, 6)), Coverage::part);
 }
 

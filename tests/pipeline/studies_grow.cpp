@@ -55,7 +55,7 @@ TEST_F(Growth, ToALargerDepthKeepsTheRaysThatEndBefore) {
   expect_fresh("grown.h5", "deep.toml");
   // The other way round increments would be lost.
   expect_names(be_refused("precompute shallow.toml -o grown.h5 --resume").err,
-               {"probe.increments: 8 in the file, 6 now"});
+               {"8 to 0.0625 m in the file, 6 to 0.046875 m now", "increments = 8 and max_displacement_m = 0.0625"});
 }
 
 TEST_F(Growth, SolvesOnlyWhatIsMissing) {

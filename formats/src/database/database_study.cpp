@@ -73,14 +73,26 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   return text;
 }
 
-/// The keys with which a scene of this depth has the increments of a database.
+/// The keys with which a scene of nearly this depth has the increments of a database.
 std::string deeper(const std::vector<double>& magnitudes_m, double depth_m) {
   const double step_m = magnitudes_m.front();
-  const double n = std::max(static_cast<double>(magnitudes_m.size()), std::ceil((1 - rounding) * depth_m / step_m));
+  const double n = std::max(static_cast<double>(magnitudes_m.size()), std::round(depth_m / step_m));
   std::ostringstream text;
   text << std::setprecision(14) << "keep the length of its increments: increments = " << n
-       << " and max_displacement_m = " << n * step_m;
-  return text.str();
+       << " and max_displacement_m = " << n * step_m << ", or ";
+  constexpr double most_increments = 1000;  // of a scene
+  return n <= most_increments ? text.str() : "";
+}
+
+/// As a selection to add, if there are few.
+std::string lost_nodes(const NodeList& on_disk, const NodeList& wanted) {
+  NodeList lost;
+  std::ranges::set_difference(on_disk, wanted, std::back_inserter(lost));
+  constexpr std::size_t few = 40;
+  if (lost.empty() || lost.size() > few) return "";
+  std::string text;
+  for (const auto node : lost) text += (text.empty() ? "" : ", ") + std::to_string(node);
+  return " by { nodes = [" + text + "] }";
 }
 
 std::string count_of(const Mesh& mesh) {
@@ -143,21 +155,23 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   if (all.empty()) return;
   if (std::ranges::none_of(all, &Difference::of_rays) && coverage(on_disk, wanted) == Coverage::other) {
     const auto lost = std::ranges::find_if(all, [](const auto& each) { return each.what != other_physics; });
-    throw input_error("the database " + file.string() + " has " + lost->what + ", whose rays would be lost",
-                      lost->values, "select these nodes, too, or write to another file");
+    throw input_error(
+        "the database " + file.string() + " has " + lost->what + ", whose rays would be lost", lost->values,
+        "select these nodes, too" + lost_nodes(on_disk.sets.active, wanted.sets.active) + ", or give another -o");
   }
   const bool physics = on_disk.physics_hash != wanted.physics_hash;
-  if (std::ranges::count_if(all, &Difference::of_rays) == 1 && !begin_with(wanted.magnitudes_m, on_disk.magnitudes_m)) {
+  if (std::ranges::count_if(all, &Difference::of_rays) == 1 && !begin_with(wanted.magnitudes_m, on_disk.magnitudes_m) &&
+      std::ranges::includes(wanted.sets.active, on_disk.sets.active)) {
     const auto& reason = *std::ranges::find_if(all, &Difference::of_rays);
     throw input_error("the database " + file.string() + " has " + reason.what, reason.values,
-                      deeper(on_disk.magnitudes_m, wanted.magnitudes_m.back()) + ", or write to another file");
+                      deeper(on_disk.magnitudes_m, wanted.magnitudes_m.back()) + "give another -o");
   }
   throw input_error(
       "the database " + file.string() + " has " + all.front().what, all.front().values,
       !physics && on_disk.mesh_hash != wanted.mesh_hash
-          ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or write to another "
-            "file"
-          : "use the scene with which the database was begun, or write to another file");
+          ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or give another "
+            "-o"
+          : "use the scene with which the database was begun, or give another -o");
 }
 
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {

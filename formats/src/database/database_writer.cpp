@@ -82,8 +82,7 @@ bool DatabaseWriter::refuse_begun(const fs::path& file, bool resume) {
   const bool exists = fs::exists(file, code);
   if (exists && !resume)
     throw input_error("the database exists and is not overwritten", file.string(),
-                      "continue it with --resume, give another -o, or delete the file" +
-                          (dl::logs_of(file).empty() ? std::string() : " and " + dl::folder(file).string()));
+                      "continue it with --resume, or give another -o");
   if (!exists && !resume && !dl::logs_of(file).empty())
     throw input_error("there are logs of an earlier run without their database", dl::folder(file).string(),
                       "continue with --resume, or delete the folder");

@@ -142,7 +142,8 @@ Keys probe_keys() {
       probe(
           "elsewhere", &ProbeSpec::elsewhere, words_from<Elsewhere>(0, 2), not_hashed,
           "of the free surface that is not probed: `\"linear\"` stores the linear response at rest for points with the "
-          "spacing of `nodes.active`, or a third of the radius if it has none; `\"none\"` stores nothing. Patch only"),
+          "spacing of `nodes.active`, or a third of the radius if it has none, so that points of `count` have linear "
+          "ones between them; `\"none\"` stores nothing. Patch only"),
       probe("directions", &ProbeSpec::directions, DirectionSet{}, hashed,
             "`26`: axes and diagonals; `14`: axes and space diagonals only; `98`: the 26 and the middles between "
             "neighbors; `3`: +x, +y, +z; `\"hemisphere\"`: those of the 26 that push in or slide"),

@@ -178,7 +178,8 @@ VerdictLine not_covered(const Validated& v) {
                         std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; }));
   if (v.points.failed > 0) text += fmt::format("; {} displacements of points were not solved", v.points.failed);
   if (v.pairs.failed > 0) text += fmt::format("; {} pairs were not solved", v.pairs.failed);
-  if (v.points.finished == 0) text += "; tools between nodes were not compared (--points)";
+  if (v.points.finished == 0)
+    text += "; tools between nodes were not compared (--points, if three active nodes are near enough)";
   if (v.pairs.finished == 0 && (v.scene.probe.tools > 1 || !v.model.has_round_tools()))
     text += "; two tools at a time were not compared (--pairs)";
   return {"not_covered",

@@ -47,7 +47,7 @@ ErrorStatistics weighted_statistics(std::vector<std::pair<double, double>> error
 struct ToolErrors {
   ErrorStatistics pairs, triples, near;  ///< near: two tools are nearer than half a radius
   std::int64_t unsettled = 0;            ///< states with this warning, which are included above
-  double step_s = 0;                     ///< mean time of a step of Newton's method
+  double step_s = 0;                     ///< mean processor time of a step of Newton's method
   PHYNNESS_FIGURES(pairs, triples, near, unsettled, step_s)
 };
 ToolErrors tool_errors(const ReducedBody& body, const std::vector<SolvedTools>& solved,
