@@ -282,9 +282,9 @@ class Organ {
     return 3 * static_cast<std::size_t>(_data != nullptr ? info().n_output : body_info().n_nodes);
   }
 
-  /// Bounds [N] of the errors of the forces of the last hold (of a model, of its full level), one for each of its tools;
-  /// after an error PHN_NO_BOUND in all of `bounds`. PHN_ERROR_UNDEFINED: there are none, or the last call was not hold. PHN_ERROR_ARGUMENT: state()
-  /// was since pressed by another number of tools.
+  /// Bounds [N] of the errors of the forces of the last hold (of a model, of its full level), one for each of its
+  /// tools; after an error PHN_NO_BOUND in all of `bounds`. PHN_ERROR_UNDEFINED: there are none, or the last call was
+  /// not hold. PHN_ERROR_ARGUMENT: state() was since pressed by another number of tools.
   Status bound(Span<double> bounds) noexcept {
     const std::size_t n = _last == LastCall::of_tool ? 1 : _last == LastCall::of_tools ? _n_tools : 0;
     std::fill_n(bounds.data(), bounds.size(), PHN_NO_BOUND);
