@@ -328,7 +328,8 @@ json about_body(const std::filesystem::path& file) {
                info.physics_hash, info.n_nodes, info.n_triangles);
   print_result("tools     {}, to {:.4g} m in training{}\n",
                info.tool_radius_m > 0 ? fmt::format("of {:.4g} m radius", info.tool_radius_m) : "at points",
-               info.max_displacement_m, text.lacking.rows() > 0 ? "; elsewhere with the stiffness at rest" : "");
+               info.max_displacement_m,
+               text.lacking.rows() > 0 ? "; elsewhere corrected by the stiffness at rest" : "");
   if (body.has_bounds())
     print_result("bounds    of the force's error, for {:g} % of random displacements; from {} rays\n",
                  100 * text.coverage, text.n_rays);

@@ -202,7 +202,9 @@ int run(phynness::Organ& organ, Hand hand, double radius, double friction, bool 
   std::printf("of %ld cycles, %ld unsettled, %ld of near tools, %ld outside of the probed part or depth\n", cycles,
               unsettled, near, outside);
   if (2 * outside > cycles)
-    std::printf("--at X,Y,Z moves the tools to another place, such as the middle of the probed part\n");
+    std::printf(
+        "--at X,Y,Z moves the tools to another place, such as the middle of the probed part; a model of points that "
+        "are farther apart than the tool's radius has no place without this warning\n");
   if (!with_device)
     std::printf("energy taken from the hand %.3g mJ, at most given to it %.3g mJ\n", 1e3 * taken, 1e3 * given);
   bool is_tripped = false;

@@ -133,10 +133,12 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
               : std::to_string(all - n) + " of " + std::to_string(all) +
                     " triangles between the points, such as at node " + std::to_string(made.too_long.front()) + ",") +
          (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +
-         ", tool_radius_m = " + three_digits(radius) + ", so that the tool is not answered " +
+         ", tool_radius_m = " + three_digits(radius) + ", so that " +
          (n > 0                   ? "in these"
-          : has_triangles_of_mesh ? "between them except in triangles of the mesh, with larger errors"
+          : has_triangles_of_mesh ? "between them, except in triangles of the mesh, which have larger errors,"
                                   : "between them") +
+         (scene.probe.elsewhere == Elsewhere::linear ? " the tool is answered as on the body at rest, with a warning"
+                                                     : " the tool is not answered") +
          (holds_automatic(scene.active)
               ? std::string("; give a finer mesh, such as a smaller target_size_m") + also_remesh(scene.mesh) +
                     ", or a part without nodes far from the others"

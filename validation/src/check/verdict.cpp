@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/database.hpp>
+#include <phynness/meshes/probe_points.hpp>
 #include <phynness/validation/bound_coverage.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/locking.hpp>
@@ -168,10 +169,15 @@ VerdictLine not_covered(const Validated& v) {
                     v.model.model().nodes[static_cast<std::size_t>(least_covered - share.of_node.begin())].node);
   const double untrained = std::max(0.0, 1 - share.all);
   const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
-  std::string text =
-      fmt::format("{} % of the displacements to {:.4g} mm{}{}, which have no training data and give a warning",
-                  in_percent(untrained), 1e3 * e.range_m, worst_covered,
-                  v.scene.probe.directions == Directions::hemisphere ? ", and all that point outward" : "");
+  std::string text = fmt::format(
+      "{} % of the displacements of probed nodes to {:.4g} mm{}{}, which have no training data and give a "
+      "warning",
+      in_percent(untrained), 1e3 * e.range_m, worst_covered,
+      v.scene.probe.directions == Directions::hemisphere ? ", and all that point outward" : "");
+  const double linear = touched_area(v.model.model(), v.model.mesh()).linear;
+  if (linear > 0)
+    text += fmt::format("; {} % of the free surface, which the model answers as the body at rest, with a warning",
+                        in_percent(linear));
   if (!e.unreached.empty())
     text += fmt::format("; {} of {} probes have no finite element solution, {} of them without a warning",
                         e.unreached.size(), e.all.probes,
