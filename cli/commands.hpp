@@ -141,8 +141,10 @@ json print_cells_across(const LoadedScene& loaded);
 void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 /// Prints choice_note() on stderr.
 void print_choice_note(const LoadedScene& loaded);
-/// Says that a model that was written has no bounds, unless its family is exact.
-void print_missing_bounds(Family family);
+/// Whether `calibrate` adds bounds: not to a model of an exact family, or of responses of another program.
+bool can_be_calibrated(const Model& model);
+/// Says that such a model was written without bounds.
+void print_missing_bounds(const Model& model);
 
 /// Checks by its hash that a mesh file belongs to the scene. Built-in shapes are covered by the physics hash, because
 /// their meshes depend on the version of gmsh.

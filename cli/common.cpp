@@ -204,9 +204,12 @@ void print_patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& 
   for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
-void print_missing_bounds(Family family) {
-  if (!schema::traits(family).proportional)
-    print_result("it has no bounds of its errors; phynness calibrate adds them\n");
+bool can_be_calibrated(const Model& model) {
+  return !schema::traits(model.family).proportional && model.solved.is_recorded;
+}
+
+void print_missing_bounds(const Model& model) {
+  if (can_be_calibrated(model)) print_result("it has no bounds of its errors; phynness calibrate adds them\n");
 }
 
 void print_choice_note(const LoadedScene& loaded) {

@@ -159,7 +159,6 @@ void run_queries(const Options& options) {
   answer_queries(options.queries, answers);
 }
 
-/// Imported models name no element and cannot be calibrated.
 void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body, std::size_t n_tools, int status,
                  const std::optional<double>& bound_N) {
   if (bound_N)
@@ -173,9 +172,9 @@ void print_bound(const NamedOrgan& model, const std::optional<NamedOrgan>& body,
     print_result("error of the force: unknown, because bounds of a model are those of one tool\n");
   else if (body ? !body->has_bounds() : model.model().bounds.empty())
     print_result("error of the force: unknown, because the {} has no bounds{}\n", body ? "body" : "model",
-                 body                                       ? "; phynness calibrate --body adds them"
-                 : *model.info().provenance.element != '\0' ? "; phynness calibrate adds them"
-                                                            : "");
+                 body                               ? "; phynness calibrate --body adds them"
+                 : can_be_calibrated(model.model()) ? "; phynness calibrate adds them"
+                                                    : "");
   else
     print_result(
         "error of the force: unknown, because bounds were not calibrated for such a place, level or number of tools\n");

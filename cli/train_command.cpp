@@ -90,7 +90,6 @@ struct Trained {
   std::optional<NamedOrgan> loaded;
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
-  bool has_solver = true;     ///< false: the responses are of another program
 };
 
 Trained trained(const Options& options) {
@@ -117,7 +116,6 @@ Trained trained(const Options& options) {
     t.loaded.emplace(std::move(model), header.mesh, options.output.string());
   }
   t.stored = header.fields;
-  t.has_solver = !header.imported;
   const ModelTexts texts{t.loaded->text(), write_mesh_text(header.mesh)};
   install_stop_handler();  // both files are written, or none
   write_model_texts(options.output, texts);
@@ -144,7 +142,7 @@ void print(const Trained& t, const std::filesystem::path& output) {
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
   print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(t.loaded->text().size()), bytes(t.loaded->mesh_text_bytes()),
                output.string());
-  if (t.has_solver) print_missing_bounds(t.loaded->model().family);
+  print_missing_bounds(t.loaded->model());
 }
 
 json to_json(const Trained& t) {

@@ -91,7 +91,7 @@ void run(const Options& options) {
     if (!choice.chosen) return;
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
     print_result("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
-    print_missing_bounds(report.models[*choice.chosen].model.family);
+    print_missing_bounds(report.models[*choice.chosen].model);
   };
   write_each({write_model, [&] { write_json(options.json_file, as_json(report, choice)); }});
   if (!choice.chosen)

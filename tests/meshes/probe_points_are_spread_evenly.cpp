@@ -1,5 +1,5 @@
 // Claims about probed nodes that are spread over a surface, and about the coordinates of the nodes between them, on a
-// sphere of radius 1 with 2,562 nodes and on a flat grid.
+// sphere of radius 1 with 642 or 2,562 nodes, on a flat grid and on a thin plate.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

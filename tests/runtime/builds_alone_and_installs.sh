@@ -31,7 +31,8 @@ sed -n '/^    cmake_minimum_required/,/^$/p' "$runtime/../docs/howto/embed.md" >
 "$cmake" -S "$work/page" -B "$work/page/build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/page/build" >> "$work.log"
 "$work/page/build/my_device" "$runtime/../examples/model/model.txt" 95 0 0 -0.01 > /dev/null
-# The programs of that page: its C finds the sample model and refuses another body, its C++ says which file it lacks.
+# The programs of that page: its C finds the sample model or refuses a text that is no model or body, its C++ says which
+# file it lacks.
 page_program() { sed -n "/^    #include <phynness\/phynness$1>/,/^    }$/p" "$runtime/../docs/howto/embed.md"; }
 page_program .h > "$work/page/page.c"
 page_program .hpp > "$work/page/page.cpp"

@@ -73,26 +73,26 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   return text;
 }
 
-/// The keys with which a scene of nearly this depth has the increments of a database.
-std::string deeper(const std::vector<double>& magnitudes_m, double depth_m) {
+/// Keys with which a scene of nearly this depth has the increments of a database.
+std::string remedy_of_increments(const std::vector<double>& magnitudes_m, double depth_m) {
   const double step_m = magnitudes_m.front();
   const double n = std::max(static_cast<double>(magnitudes_m.size()), std::round(depth_m / step_m));
+  if (n > static_cast<double>(scene_detail::most_increments)) return Difference().remedy;
   std::ostringstream text;
   text << std::setprecision(14) << "keep the length of its increments: increments = " << n
-       << " and max_displacement_m = " << n * step_m << ", or ";
-  constexpr double most_increments = 1000;  // of a scene
-  return n <= most_increments ? text.str() : "";
+       << " and max_displacement_m = " << n * step_m;
+  return text.str();
 }
 
-/// As a selection to add, if there are few.
-std::string lost_nodes(const NodeList& on_disk, const NodeList& wanted) {
+/// Nodes that only the database has, as a selection to add if there are few.
+std::string remedy_of_active(const NodeList& on_disk, const NodeList& wanted) {
   NodeList lost;
   std::ranges::set_difference(on_disk, wanted, std::back_inserter(lost));
   constexpr std::size_t few = 40;
-  if (lost.empty() || lost.size() > few) return "";
+  if (lost.size() > few) return "select these nodes, too";
   std::string text;
   for (const auto node : lost) text += (text.empty() ? "" : ", ") + std::to_string(node);
-  return " by { nodes = [" + text + "] }";
+  return "select these nodes, too, by { nodes = [" + text + "] }";
 }
 
 std::string count_of(const Mesh& mesh) {
@@ -126,9 +126,12 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
     all.push_back(
         {"another mesh",
          both(count_of(on_disk.mesh) + "hash " + on_disk.mesh_hash, count_of(wanted.mesh) + "hash " + wanted.mesh_hash),
-         true});
+         true, "use the mesh with which it was begun (a new mesh of the same body is another mesh)"});
   compare_lists(on_disk.sets.fixed, wanted.sets.fixed, "fixed nodes", true);
-  compare_lists(on_disk.sets.active, wanted.sets.active, "active nodes", false);
+  if (const auto& then = on_disk.sets.active, &now = wanted.sets.active; then != now) {
+    compare_lists(then, now, "active nodes", false);
+    all.back().remedy = remedy_of_active(then, now);
+  }
   compare_lists(on_disk.sets.output, wanted.sets.output, "output nodes", false);
   compare_lists(on_disk.sets.linear, wanted.sets.linear, "points with a response at rest", false);
   if (const bool more = has_directions(wanted, on_disk); !more || on_disk.directions != wanted.directions)
@@ -138,7 +141,7 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
     all.push_back({"other increments (probe.increments, probe.max_displacement_m)",
                    both(std::to_string(then.size()) + " to " + shortest(then.back()) + " m",
                         std::to_string(now.size()) + " to " + shortest(now.back()) + " m"),
-                   !begin_with(now, then)});
+                   !begin_with(now, then), remedy_of_increments(then, now.back())});
   compare(on_disk.tangents, wanted.tangents, "another [database] tangents",
           [](bool stored) { return std::string(stored ? "true" : "false"); });
   compare(on_disk.float64, wanted.float64, "another [database] displacement_precision",
@@ -153,25 +156,13 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file) {
   const auto all = differences(on_disk, wanted);
   if (all.empty()) return;
-  if (std::ranges::none_of(all, &Difference::of_rays) && coverage(on_disk, wanted) == Coverage::other) {
-    const auto lost = std::ranges::find_if(all, [](const auto& each) { return each.what != other_physics; });
-    throw input_error(
-        "the database " + file.string() + " has " + lost->what + ", whose rays would be lost", lost->values,
-        "select these nodes, too" + lost_nodes(on_disk.sets.active, wanted.sets.active) + ", or give another -o");
-  }
-  const bool physics = on_disk.physics_hash != wanted.physics_hash;
-  if (std::ranges::count_if(all, &Difference::of_rays) == 1 && !begin_with(wanted.magnitudes_m, on_disk.magnitudes_m) &&
-      std::ranges::includes(wanted.sets.active, on_disk.sets.active)) {
-    const auto& reason = *std::ranges::find_if(all, &Difference::of_rays);
-    throw input_error("the database " + file.string() + " has " + reason.what, reason.values,
-                      deeper(on_disk.magnitudes_m, wanted.magnitudes_m.back()) + "give another -o");
-  }
+  auto reason = std::ranges::find_if(all, &Difference::of_rays);
+  const bool loses_rays = reason == all.end() && coverage(on_disk, wanted) == Coverage::other;
+  if (reason == all.end())
+    reason = std::ranges::find_if(all, [&](const auto& each) { return !loses_rays || each.what != other_physics; });
   throw input_error(
-      "the database " + file.string() + " has " + all.front().what, all.front().values,
-      !physics && on_disk.mesh_hash != wanted.mesh_hash
-          ? "use the mesh with which it was begun (a new mesh of the same body is another mesh), or give another "
-            "-o"
-          : "use the scene with which the database was begun, or give another -o");
+      "the database " + file.string() + " has " + reason->what + (loses_rays ? ", whose rays would be lost" : ""),
+      reason->values, reason->remedy + ", or give another -o");
 }
 
 Coverage coverage(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {

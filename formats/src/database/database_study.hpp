@@ -13,11 +13,12 @@ struct Difference {
   std::string what;    ///< "other active nodes", "another physics"
   std::string values;  ///< of both; of the physics one line for each key
   bool of_rays;        ///< the study of the file cannot become the other one by further solves
+  std::string remedy = "use the scene with which the database was begun";
 };
 /// Compares physics, mesh, node sets, directions, increments and stored arrays themselves, not only their hashes.
 std::vector<Difference> differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted);
 
-/// @throws Error (input) with the first difference
+/// @throws Error (input) with a difference that prevents the work, and its remedy
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file);
 
 }  // namespace phynness

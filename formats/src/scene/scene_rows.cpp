@@ -147,7 +147,8 @@ Keys probe_keys() {
       probe("directions", &ProbeSpec::directions, DirectionSet{}, hashed,
             "`26`: axes and diagonals; `14`: axes and space diagonals only; `98`: the 26 and the middles between "
             "neighbors; `3`: +x, +y, +z; `\"hemisphere\"`: those of the 26 that push in or slide"),
-      probe("increments", &ProbeSpec::increments, Integer{1, 1000}, hashed, "number of steps to the full depth"),
+      probe("increments", &ProbeSpec::increments, Integer{1, most_increments}, hashed,
+            "number of steps to the full depth"),
       probe("max_displacement_m", &ProbeSpec::max_displacement_m, Number{{0, 10, true}}, hashed,
             "required, in m; `max_displacement_m / increments` is at least 1e-12 of the diagonal of the body, below "
             "which double precision holds no force"),

@@ -22,6 +22,8 @@ struct Range {
   std::string text() const;  ///< "greater than 0 and at most 10"
 };
 
+inline constexpr std::int64_t most_increments = 1000;  // of a scene
+
 /// The shortest decimal text that is read back as the same number.
 std::string shortest(double value);
 /// "[x, y, z]", each as shortest().

@@ -314,7 +314,7 @@ std::vector<std::vector<std::string>> summary_cells(const Validated& v) {
 std::string validate_again(const Validated& in) {
   std::string line = fmt::format("phynness validate SCENE MODEL_DIR --probes {} --nodes {} --seed {}", in.report.probes,
                                  in.report.nodes.size(), in.seed);
-  if (in.model.level() + 1 < in.model.info().n_levels) line += fmt::format(" --level {}", in.model.level());
+  if (!in.model.is_of_full_level()) line += fmt::format(" --level {}", in.model.level());
   if (in.points.finished > 0 || in.model.has_round_tools()) line += fmt::format(" --points {}", in.points.finished);
   if (in.pairs.finished > 0) line += fmt::format(" --pairs {}", in.pairs.finished);
   if (in.body) line += " --body BODY.txt";

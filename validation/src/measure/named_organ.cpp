@@ -112,8 +112,7 @@ void NamedOrgan::require_same(const std::string& what, const std::string& mesh_h
 bool NamedOrgan::has_bounds() const {
   if (_is_body) return _text.find("\n" + std::string(schema::body_bounds_word) + " ") != std::string::npos;
   double bound = 0;
-  return level() + 1 == info().n_levels &&
-         _organ.bound(tool_at(info().active_nodes[0], Vec3{}), bound) != PHN_ERROR_UNDEFINED;
+  return is_of_full_level() && _organ.bound(tool_at(info().active_nodes[0], Vec3{}), bound) != PHN_ERROR_UNDEFINED;
 }
 
 void NamedOrgan::set_level(std::int32_t level) {
@@ -202,8 +201,7 @@ OrganResponse NamedOrgan::hold(const std::vector<phn_tool>& tools) const {
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
   if (_is_body || info().has_energy != 0) response.energy_J = response.report.energy_J;
   double bounds[PHN_MOST_COUPLED];
-  const bool is_of_full_level = _is_body || level() + 1 == info().n_levels;
-  if (is_of_full_level && _organ.bound(bounds).ok())
+  if ((_is_body || is_of_full_level()) && _organ.bound(bounds).ok())
     for (std::size_t t = 0; t < n_tools; ++t)
       response.bound_N.push_back(bounds[t] < PHN_NO_BOUND ? std::optional(bounds[t]) : std::nullopt);
   response.displacement_m.resize(static_cast<Eigen::Index>(_organ.n_deform() / 3), 3);

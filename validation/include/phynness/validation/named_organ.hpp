@@ -74,6 +74,7 @@ class NamedOrgan {
   bool has_round_tools() const { return !model().nodes.empty() && model().nodes.front().moves_mean; }
   /// Sets the level of later calls; initially the full level. @throws Error (input) if the model has no such level
   void set_level(std::int32_t level);
+  bool is_of_full_level() const { return level() + 1 == info().n_levels; }
   std::int32_t level() const { return _level.value_or(info().n_levels - 1); }
 
   /// Force [N] of a single tool.
