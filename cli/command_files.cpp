@@ -77,7 +77,8 @@ void check_folder(const std::string& option, const fs::path& path, fs::path fold
   std::error_code code;
   while (is_created && !fs::exists(folder, code) && folder.has_relative_path()) folder = folder.parent_path();
   if (!fs::is_directory(folder, code))
-    throw cannot_write(option, path, folder.string() + " is no folder", "make the folder, or give another place");
+    throw cannot_write(option, path, folder.string() + (fs::exists(folder, code) ? " is a file" : " is no folder"),
+                       fs::exists(folder, code) ? "give another place" : "make the folder, or give another place");
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     throw cannot_write(option, path, "the folder " + folder.string() + " is not writable",
                        "change its permissions, or give another place");

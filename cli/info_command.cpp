@@ -366,8 +366,11 @@ json about_scene(const std::filesystem::path& file) {
     const auto& sets = loaded.sets;
     // The covered part is that of the trained model.
     const bool is_round = loaded.scene.probe.kind == ProbeKind::patch;
-    const auto touched =
-        is_round ? probed_nodes(touched_surface(loaded.mesh, sets, loaded.scene.probe.tool_radius_m)) : sets.active;
+    std::vector<std::int32_t> touched;
+    if (is_round)
+      touched = probed_nodes(touched_surface(loaded.mesh, sets, loaded.scene.probe.tool_radius_m));
+    else
+      std::ranges::set_union(sets.active, sets.fixed, std::back_inserter(touched));
     print_points(loaded.mesh, sets.active, sets.fixed, touched);
   }
   const Material& m = loaded.scene.material;

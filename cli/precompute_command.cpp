@@ -47,6 +47,9 @@ void redirect_growth(PrecomputeTarget& target, const LoadedScene& loaded) {
 /// Acquires the locks, which processes with parts do not need, and reports existing results.
 /// @throws Error (input) if a file is in use or belongs to another scene
 std::vector<DatabaseLock> acquire_locks(const PrecomputeTarget& target, const LoadedScene& loaded) {
+  if (target.resume && !target.part && !std::filesystem::exists(target.file) &&
+      !std::filesystem::exists(target.file.string() + ".log"))
+    message("note: {} does not exist yet, so that everything is solved\n", target.file.string());
   std::vector<DatabaseLock> locks;
   for (const auto& file : {target.file, target.from}) {
     if (file.empty()) continue;

@@ -143,7 +143,7 @@ TEST(Selections, ThatCannotBeSpreadAreRefused) {
   text = message("{ spacing_m = 0.5, within = { nodes = [22] } }");
   expect_names(text, {"of 1 nodes 0 chosen", "three nodes of the surface", "without a spacing"});
   text = message("{ spacing_m = 1, from_fixed_m = 3 }");
-  EXPECT_TRUE(contains(text, "scene.toml:5") && contains(text, "from_fixed_m smaller")) << text;
+  expect_names(text, {"scene.toml:5", "from_fixed_m = 3", "from_fixed_m smaller than 2 m"});
 }
 
 TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {

@@ -73,15 +73,20 @@ std::string differing_keys(const DatabaseHeader& on_disk, const DatabaseHeader& 
   return text;
 }
 
+/// @param value  a product, whose last digits are rounding errors
+std::string without_rounding(double value) {
+  std::ostringstream text;
+  text << std::setprecision(14) << value;
+  return text.str();
+}
+
 /// Keys with which a scene of nearly this depth has the increments of a database.
 std::string remedy_of_increments(const std::vector<double>& magnitudes_m, double depth_m) {
   const double step_m = magnitudes_m.front();
   const double n = std::max(static_cast<double>(magnitudes_m.size()), std::round(depth_m / step_m));
   if (n > static_cast<double>(scene_detail::most_increments)) return Difference().remedy;
-  std::ostringstream text;
-  text << std::setprecision(14) << "keep the length of its increments: increments = " << n
-       << " and max_displacement_m = " << n * step_m;
-  return text.str();
+  return "keep the length of its increments: increments = " + without_rounding(n) +
+         " and max_displacement_m = " + without_rounding(n * step_m);
 }
 
 /// Nodes that only the database has, as a selection to add if there are few.
@@ -139,8 +144,8 @@ std::vector<Difference> differences(const DatabaseHeader& on_disk, const Databas
                    both(std::to_string(on_disk.directions.size()), std::to_string(wanted.directions.size())), !more});
   if (const auto& then = on_disk.magnitudes_m, &now = wanted.magnitudes_m; then != now)
     all.push_back({"other increments (probe.increments, probe.max_displacement_m)",
-                   both(std::to_string(then.size()) + " to " + shortest(then.back()) + " m",
-                        std::to_string(now.size()) + " to " + shortest(now.back()) + " m"),
+                   both(std::to_string(then.size()) + " to " + without_rounding(then.back()) + " m",
+                        std::to_string(now.size()) + " to " + without_rounding(now.back()) + " m"),
                    !begin_with(now, then), remedy_of_increments(then, now.back())});
   compare(on_disk.tangents, wanted.tangents, "another [database] tangents",
           [](bool stored) { return std::string(stored ? "true" : "false"); });

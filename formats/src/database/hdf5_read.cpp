@@ -71,7 +71,8 @@ File File::open(const std::filesystem::path& path) {
       path, {"the database", "correct the path, or compute it with: phynness precompute SCENE -o " + path.string(),
              std::numeric_limits<std::uint64_t>::max()});
   if (H5Fis_hdf5(path.c_str()) <= 0)
-    throw input_error("the file is not an HDF5 file", path.string(), "give a database written by phynness precompute");
+    throw input_error("the file is not an HDF5 file", path.string(),
+                      "give a database written by phynness precompute, and move this file if it has the place of one");
   File file({}, path, false);
   file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file._file.id() < 0) {

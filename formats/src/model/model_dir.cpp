@@ -36,6 +36,9 @@ void write_model_texts(const fs::path& dir, const ModelTexts& texts) {
 }
 
 ModelTexts read_model_texts(const fs::path& dir) {
+  if (std::error_code code; fs::is_regular_file(dir, code))
+    throw input_error("a file was given instead of a model directory", dir.string(),
+                      "give a directory that `phynness train -o` has written; a body is given beside it, with --body");
   if (std::error_code code; !fs::exists(dir / "model.txt", code) && fs::exists(dir / "model/model.txt", code))
     throw input_error("this folder is no model directory, but it contains one", dir.string(),
                       "give " + (dir / "model").string());

@@ -118,11 +118,10 @@ std::string FinerDistance::sentence() const {
       left_out += (left_out.empty() ? "" : " and ") + std::string(what);
   const double bias = force_ratio > 0 ? force_ratio - 1 : 0;
   constexpr double least_bias = 5e-4;  // a smaller one is printed as 0.0 %
+  const std::string size = percent(std::abs(bias));
+  const std::string sign = size == percent(mean) ? " (forces too " : " (forces " + size + " too ";
   std::string text = (left_out.empty() ? "" : "without " + left_out + " ") + percent(mean) + " on average" +
-                     (std::abs(bias) < least_bias
-                          ? ""
-                          : " (forces " + percent(std::abs(bias)) + " too " + (bias < 0 ? "small" : "large") + ")") +
-                     ", " +
+                     (std::abs(bias) < least_bias ? "" : sign + (bias < 0 ? "small" : "large") + ")") + ", " +
                      (probes < fewest_for_p95 ? "at most " + percent(p95) : "below " + percent(p95) + " in 95 %") +
                      ", at " + std::to_string(probes) + (probes == 1 ? " probe" : " probes") + " of a round tool of " +
                      fixed(1e3 * tool_radius_m, 1) + " mm radius";

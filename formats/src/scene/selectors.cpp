@@ -181,9 +181,9 @@ void read_spread(const SceneTable& table, std::string_view, Selector& s) {
   const std::string size = s.length_m > 0 ? "spacing_m = " + shortest(s.length_m)
                            : s.count > 0  ? "count = " + std::to_string(s.count)
                                           : "spacing = auto";
-  s.text = "spread { " + size + ", within = " + selection_text(s.of[0]) +
-           (s.from_fixed_m > 0 ? ", from_fixed_m = " + shortest(s.from_fixed_m) : "") + " }";
-  s.description = "points with " + size + " on " + described(s.of);
+  const std::string distance = s.from_fixed_m > 0 ? ", from_fixed_m = " + shortest(s.from_fixed_m) : "";
+  s.text = "spread { " + size + ", within = " + selection_text(s.of[0]) + distance + " }";
+  s.description = "points with " + size + " on " + described(s.of) + distance;
 }
 
 }  // namespace

@@ -116,10 +116,10 @@ constexpr std::ptrdiff_t fewest_worth_a_choice = 50;
 /// Spread points between which a tool is not answered.
 std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   const std::string place = scene.active_where.str() + ": ";
-  const auto n_points = std::to_string(sets.active.size());
+  const auto n_points = std::to_string(sets.active.size()) + (sets.active.size() == 1 ? " point" : " points");
   if (scene.probe.kind == ProbeKind::node)
     return place + "node probes are answered only at the " + n_points +
-           " points; a round tool, kind = \"patch\" with tool_radius_m, is answered between them, too";
+           "; a round tool, kind = \"patch\" with tool_radius_m, is answered between them, too";
   const double radius = scene.probe.tool_radius_m;
   const auto made = probe_coordinates(mesh.nodes, mesh.surface, sets.active, sets.fixed, radius);
   const auto n = made.triangles.rows(), all = n + std::ssize(made.too_long);
@@ -129,7 +129,7 @@ std::string warn_of_gaps(const Scene& scene, const Mesh& mesh, const NodeSets& s
   });
   return place +
          (n == 0
-              ? "no triangle between the " + n_points + " points"
+              ? "no triangle between the " + n_points
               : std::to_string(all - n) + " of " + std::to_string(all) +
                     " triangles between the points, such as at node " + std::to_string(made.too_long.front()) + ",") +
          (n == 0 ? " has edges of at most the radius" : " have edges longer than the radius") +

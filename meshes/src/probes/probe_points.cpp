@@ -524,19 +524,23 @@ NodeList without_coordinates(const Mesh& mesh, const NodeSets& sets, double radi
 
 namespace {
 
-/// Share of the area of the triangles that can move whose corners are covered or fixed.
+NodeList both(const NodeList& a, const NodeList& b) {
+  NodeList all;
+  std::ranges::set_union(a, b, std::back_inserter(all));
+  return all;
+}
+
+/// Share of the area of the triangles that can move whose corners are all covered.
 double covered_share(const Points& nodes, const Triangles& surface, const NodeList& fixed, const NodeList& covered) {
   double all = 0, known = 0;
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    int n_fixed = 0, n_covered = 0;
-    for (int k = 0; k < 3; ++k) {
-      n_fixed += std::ranges::binary_search(fixed, surface(t, k));
-      n_covered += std::ranges::binary_search(covered, surface(t, k));
-    }
-    if (n_fixed == 3) continue;
+    const auto all_in = [&](const NodeList& list) {
+      return std::ranges::all_of(surface.row(t), [&](auto node) { return std::ranges::binary_search(list, node); });
+    };
+    if (all_in(fixed)) continue;
     const double area = normal_of(corners_of(nodes, surface, t)).norm();
     all += area;
-    known += n_fixed + n_covered == 3 ? area : 0;
+    known += all_in(covered) ? area : 0;
   }
   return all > 0 ? known / all : 0;
 }
@@ -569,13 +573,15 @@ ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const No
 }
 
 TouchedArea touched_area(const Model& model, const Mesh& mesh) {
-  const NodeList touched = probed_nodes(model);
-  TouchedArea area;
-  area.nonlinear = covered_share(mesh.nodes, mesh.surface, model.fixed, touched);
+  const auto share_of = [&](const NodeList& nodes) {
+    return covered_share(mesh.nodes, mesh.surface, model.fixed, nodes);
+  };
+  const NodeList touched = probed_nodes(model), beside_fixed = both(touched, model.fixed);
+  const bool is_round = model.covered.rows() > 0;
   const auto nodes = model.covered.col(0);
-  NodeList all;
-  std::ranges::set_union(touched, nodes, std::back_inserter(all));
-  area.linear = covered_share(mesh.nodes, mesh.surface, model.fixed, all) - area.nonlinear;
+  TouchedArea area;
+  area.nonlinear = share_of(is_round ? touched : beside_fixed);
+  area.linear = share_of(both(beside_fixed, {nodes.begin(), nodes.end()})) - share_of(beside_fixed);
   return area;
 }
 

@@ -185,13 +185,22 @@ std::string size_text(const SelectableBody& body) {
          " m; if that is not its size, correct scale_to_m in [mesh]";
 }
 
+std::string remedy_of_distance(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
+  double farthest_m = 0;
+  for (const auto node : common(select_nodes(s.of[0], body, wanted), body.surface))
+    farthest_m = std::max(
+        farthest_m,
+        (body.mesh.nodes(body.fixed, Eigen::all).rowwise() - body.mesh.nodes.row(node)).rowwise().norm().minCoeff());
+  return "make from_fixed_m smaller than " + length_text(farthest_m) +
+         ", the largest distance of these nodes from fixed ones, or `within` larger";
+}
+
 /// What to do if a selector selects no node of this body.
 std::string remedy_if_empty(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
   if (is_region(s)) return nearest_of_surface(s, body);
   if (s.kind == complement) return "every node is in what it excludes: exclude less";
-  if (s.kind == spread)
-    return s.from_fixed_m > 0 ? "make from_fixed_m smaller, or `within` larger"
-                              : "give a part of the surface in `within`";
+  if (s.kind == spread && s.from_fixed_m > 0) return remedy_of_distance(s, body, wanted);
+  if (s.kind == spread) return "give a part of the surface in `within`";
   if (s.kind != intersection && s.kind != difference) return "select by other nodes or places";
   std::string parts;
   for (const auto& part : s.of) {

@@ -32,7 +32,7 @@ const char* const messages[] = {
     // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): two lines of one text
     "a model of round tools answers one tool; several need the reduced body that phynness run makes of a scene with "
     "tools = 2 to 8 in [probe], of the elements p1-p1 and es-p1-p1",
-    "more tools than the phn_data or phn_contact was made for",
+    "more tools than the phn_data or phn_contact was made for, or than the max_tools of an Organ",
     "the memory is smaller than the size function returned",
     "a displacement, position or size is NaN or infinite",
     "the node, or all that the tool touches, cannot be touched in this model",

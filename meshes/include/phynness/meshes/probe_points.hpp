@@ -66,8 +66,8 @@ Model touched_surface(const Mesh& mesh, const NodeSets& sets, double radius_m);
 /// Free nodes of the surface without coordinates, or with those of the nearest linear point.
 NodeList without_coordinates(const Mesh& mesh, const NodeSets& sets, double radius_m);
 
-/// Shares of the area that can move where a tool is answered by active nodes alone, and where linear points have a
-/// part.
+/// Shares of the area that can move where active nodes alone answer a tool, and where linear points have a part. Round
+/// tools in triangles of fixed and active nodes have a warning and are in neither.
 struct TouchedArea {
   double nonlinear = 0, linear = 0;
 };
@@ -80,8 +80,9 @@ NodeList touchable_nodes(const Mesh& mesh, const NodeSets& sets, double tool_rad
 /// How far apart probed nodes are, and how much of the surface they answer for.
 struct ProbeSpread {
   double median_m = 0, largest_m = 0;  ///< distance of a node from its nearest neighbour along the surface
-  double covered = 0;                  ///< share of the area of the triangles that can move
+  double covered = 0;                  ///< share of the area of the triangles that can move, between covered nodes
 };
+/// @param covered  ascending
 ProbeSpread probe_spread(const Points& nodes, const Triangles& surface, const NodeList& probed, const NodeList& fixed,
                          const NodeList& covered);
 
