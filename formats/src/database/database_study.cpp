@@ -14,7 +14,6 @@
 namespace phynness {
 namespace {
 
-using scene_detail::shortest;
 
 std::map<std::string, std::string> summary_of(const Scene& scene) {
   std::istringstream lines(physics_summary(scene));
