@@ -14,7 +14,6 @@
 namespace phynness {
 namespace {
 
-
 std::map<std::string, std::string> summary_of(const Scene& scene) {
   std::istringstream lines(physics_summary(scene));
   std::map<std::string, std::string> values;
