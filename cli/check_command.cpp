@@ -75,7 +75,7 @@ json as_json(const LoadedScene& loaded, const DiscretizationReport& report, int 
   const Scene& scene = loaded.scene;
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
-  const double expected = expected_force_ratio(checked, report.mean_edge_m);
+  const double expected = expected_force_ratio(checked);
   json out =
       record("element", name(scene.solver.element), "bulk_to_shear", most_locked(scene).bulk_to_shear(),
              "expected_ratio", expected > 1 ? json(expected) : json(nullptr), "mesh_hash", mesh_hash(loaded.mesh),

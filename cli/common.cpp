@@ -150,8 +150,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
     for (const auto& note : made.notes) message("note: {}\n", note);
     for (const auto& note : scene_notes(loaded.scene)) message("note: {}\n", note);
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
-    for (const auto& warning : scene_warnings(loaded.scene, made.quality.mean_edge_m))
-      message("warning: {}\n", warning);
+    for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
   }
   loaded.mesh = std::move(made.mesh);
   try {

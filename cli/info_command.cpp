@@ -395,10 +395,11 @@ MeshResult mesh_of_file(const std::filesystem::path& file, bool shell) {
   try {
     return make_mesh(scene, true);
   } catch (const Error& no_body) {
-    if (!shell) throw;
+    scene.mesh.repair = true;
     try {
-      MeshResult result = make_shell(file);
-      message("note: {}\n", no_body.what());
+      MeshResult result = shell ? make_shell(file) : make_mesh(scene, true);
+      message("{}: {}\n{}", shell ? "note" : "warning", no_body.what(),
+              shell ? "" : "note: what follows is of the file with repair = true in [mesh] of a scene\n");
       return result;
     } catch (const Error&) {
       throw Error(no_body);

@@ -47,8 +47,10 @@ void redirect_growth(PrecomputeTarget& target, const LoadedScene& loaded) {
 /// Acquires the locks, which processes with parts do not need, and reports existing results.
 /// @throws Error (input) if a file is in use or belongs to another scene
 std::vector<DatabaseLock> acquire_locks(const PrecomputeTarget& target, const LoadedScene& loaded) {
-  if (target.resume && !target.part && !std::filesystem::exists(target.file) &&
-      !std::filesystem::exists(target.file.string() + ".log"))
+  const bool is_new = !std::filesystem::exists(target.file) && !std::filesystem::exists(target.file.string() + ".log");
+  if (is_new && !target.from.empty())
+    message("note: the rays of {} are kept; the scene has more\n", target.from.string());
+  else if (is_new && target.resume && !target.part)
     message("note: {} does not exist yet, so that everything is solved\n", target.file.string());
   std::vector<DatabaseLock> locks;
   for (const auto& file : {target.file, target.from}) {

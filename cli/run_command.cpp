@@ -10,6 +10,7 @@
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/discretization.hpp>
 #include <phynness/validation/tools.hpp>
+#include <thread>
 
 #include "commands.hpp"
 #include "run_stages.hpp"
@@ -187,6 +188,9 @@ void run(const Options& options) {
   const auto path_of = [&](const char* name) { return (options.output / name).string(); };
   const auto scene = options.scene.string();
   prepare_environment(options.ranks);
+  if (const int cores = static_cast<int>(std::thread::hardware_concurrency()); cores > 0 && options.ranks > cores)
+    message("warning: --ranks {} are more processes than this machine has processor cores; --ranks {} is faster\n",
+            options.ranks, cores);
 
   std::vector<Stage> stages;
   stages.push_back(stage("mesh", path_of("mesh.msh"),

@@ -166,7 +166,8 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
   if (exit_status == exec_failed)
     throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (stop_requested())
-    throw failure("interrupted in stage " + title, "solved rays are kept",
+    throw failure("interrupted in stage " + title,
+                  title == "precompute" ? "solved rays are kept" : "the results of earlier stages are kept",
                   "run the same command with --resume to continue");
   const std::string remedy = "when its cause is mended, run the same command with --resume";
   if (exit_status == 2) throw input_error("stopped in stage " + title, "see the message above", remedy);

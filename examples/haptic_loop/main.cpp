@@ -268,7 +268,11 @@ int main(int argc, char** argv) {
   }
   const auto text = [&](const char* name) { return given.count(name) != 0 ? given[name].c_str() : nullptr; };
   const auto number = [&](const char* name, double otherwise) {
-    return text(name) != nullptr ? std::strtod(text(name), nullptr) : otherwise;
+    if (text(name) == nullptr) return otherwise;
+    char* end = nullptr;
+    const double value = std::strtod(text(name), &end);
+    if (*end != '\0') std::exit(stop(2, name, "is not a number"));
+    return value;
   };
   const auto vector = [&](const char* name, Vector otherwise) {
     const char* at = text(name);

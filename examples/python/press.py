@@ -38,10 +38,13 @@ def main() -> None:
         model.force(node, 2 * depth * down)
     print("  beyond:", "warned" if any(issubclass(w.category, phynness.OutsideWarning) for w in caught) else "silent")
 
-    # A second tool changes what the first one feels.
+    # A second tool changes what the first one feels. A model of round tools answers one tool.
     above = model.output_points[list(model.output_nodes).index(node)] + [0.03, 0, 0]
     organ = phynness.Organ(model, max_tools=2)
-    pair = organ.hold([node, organ.nearest(above)], [depth / 2 * down, depth / 2 * down])
+    try:
+        pair = organ.hold([node, organ.nearest(above)], [depth / 2 * down, depth / 2 * down])
+    except phynness.Error as error:
+        sys.exit(f"  two tools: {error}")
     alone = model.force(node, depth / 2 * down)
     print(f"  alone {np.linalg.norm(alone):.3f} N, beside another tool {np.linalg.norm(pair.forces[0]):.3f} N")
     print(f"  the surface moves by at most {1000 * np.linalg.norm(organ.deform(), axis=1).max():.1f} mm")

@@ -21,19 +21,17 @@ class Element:
     stabilized: bool = False  # equal order of displacement and pressure
     edge_smoothed: bool = False  # the shear energy is a function of mean gradients at edges (edges() of mechanics.py)
     is_shell: bool = False
-    # Of an element that locks: rows of K/mu, ascending, and its force over that of Taylor-Hood on the same mesh, in the
-    # mean over patch probes to 0.15 edges and to one edge; over that of the mixed element that holds the same points in
-    # node probes. docs/theory.md, Why P1 locks, says what was measured.
-    force_ratios: tuple[tuple[float, float, float, float], ...] = ()
+    # Of an element that locks: rows of K/mu, ascending, and the mean of its force over that of Taylor-Hood on the same
+    # mesh in patch probes, and over that of the mixed element that holds the same points in node probes.
+    # docs/theory.md, Why P1 locks, says what was measured.
+    force_ratios: tuple[tuple[float, float, float], ...] = ()
 
 
 ELEMENTS = (
     Element("p1", "P1", 1, None, 1, force_ratios=(
-        (2, 1.15, 1.3, 1.07), (5, 1.4, 1.9, 1.23), (10, 1.75, 2.6, 1.37), (20, 2.5, 3.8, 1.56), (50, 4.2, 6.8, 1.85),
-        (100, 6.5, 11, 2.15), (200, 10, 19, 2.5))),
+        (2, 1.26, 1.07), (10, 1.40, 1.37), (50, 1.79, 1.85), (200, 2.52, 2.5))),
     Element("p2", "P2", 2, None, 4, force_ratios=(
-        (2, 1.02, 1.02, 1.07), (5, 1.07, 1.1, 1.2), (10, 1.12, 1.2, 1.35), (20, 1.23, 1.38, 1.48), (50, 1.5, 1.7, 1.75),
-        (100, 1.8, 2.1, 2.1), (200, 2.2, 2.9, 2.5))),
+        (2, 1.01, 1.07), (10, 1.03, 1.35), (50, 1.06, 1.75), (200, 1.10, 2.5))),
     Element("th", "taylor-hood", 2, 1, 4),
     Element("p1p1", "p1-p1", 1, 1, 1, stabilized=True),
     Element("esp1p1", "es-p1-p1", 1, 1, 1, stabilized=True, edge_smoothed=True),

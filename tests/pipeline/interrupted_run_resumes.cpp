@@ -77,7 +77,7 @@ TEST_F(Interrupted, CheckThatFailsCostsTheDistanceAlone) {
 
   const auto stopped = in_check("stopped", "kill -INT $pid");
   EXPECT_EQ(stopped.exit_status, 1) << stopped.err;
-  expect_names(stopped.err, {"interrupted in stage check", "solved rays are kept", "--resume"});
+  expect_names(stopped.err, {"interrupted in stage check", "earlier stages are kept", "--resume"});
   EXPECT_EQ(shell("pgrep -f \"[-]-json stopped/check.json\"").out, "") << "the check outlived run";
   EXPECT_FALSE(std::filesystem::exists(folder / "stopped/model"));
   const auto kept = read_file(folder / "stopped/database.h5");

@@ -13,7 +13,8 @@ namespace sd = scene_detail;
 
 Scene read_scene(const std::filesystem::path& file) {
   constexpr std::uint64_t most_bytes = 16 << 20;  // lists of two million nodes
-  const auto text = read_input_file(file, {"the scene file", "give the path of a TOML file", most_bytes, true});
+  const auto text = read_input_file(
+      file, {"the scene file", "give the path of a TOML file, whose [mesh] names the mesh", most_bytes, true});
   return parse_scene(text, file.string(), std::filesystem::absolute(file).parent_path());
 }
 

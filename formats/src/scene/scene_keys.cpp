@@ -134,6 +134,10 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
       return "remove it: materials are elastic and isotropic, without mass; [[region]] gives a part another one" +
              (table == "material" ? "; keys are " + listed(known, " and ") : "");
   if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";
+  for (const auto candidate : known)
+    if (candidate.ends_with("_" + std::string(key)) ||
+        candidate.ends_with("_" + std::string(key) + std::string(unit_of(candidate))))
+      return "did you mean " + std::string(candidate) + "?";
   for (const auto& other : tables())
     if (!other.name.starts_with("selector.") &&
         std::find(other.keys.begin(), other.keys.end(), key) != other.keys.end())

@@ -41,7 +41,7 @@ std::string read_input_file(const fs::path& file, const InputFile& about) {
         file.string() + ":" +
             std::to_string(1 + std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(zero), '\n')) +
             ": " + about.what + " holds a zero byte, which no text has",
-        "byte " + std::to_string(zero), "it is damaged or no text file: give another file");
+        "byte " + std::to_string(zero), "it is damaged or no text file: " + about.remedy);
   return bytes;
 }
 

@@ -97,8 +97,7 @@ std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& 
          three_digits(largest * radius) + " m beside the node (" + three_digits(largest) + " of the radius, at node " +
          std::to_string(where) + "), and the force is that of this part; " +
          (spreads(scene.active)
-              ? "without these nodes: add from_fixed_m = " + three_digits(radius) +
-                    " to the selection with spacing or count"
+              ? "without these nodes: give the selection with spacing or count from_fixed_m = " + three_digits(radius)
               : "without these nodes: active = { difference = [SELECTION, { near = { to = \"fixed\", distance_m = " +
                     three_digits(radius) + " } }] }, where SELECTION is that of now");
 }

@@ -255,8 +255,7 @@ FinerCost finer_cost(const Database& database, const Scene& scene, const BoundSp
     throw input_error("the force at a single node has no limit on finer meshes, and no finer solution tells its error",
                       "probe.kind = \"node\"", "give the scene a round tool: kind = \"patch\", tool_radius_m");
   require_variant(scene, spec.reference);
-  const double edge_m = measure_quality(header.mesh).mean_edge_m;
-  const double locked = expected_force_ratio(scene, edge_m / 2);
+  const double locked = expected_force_ratio(scene);
   if (spec.reference == Variant::half_size && locked > warned_force_ratio)
     throw input_error("cells of half the size lock, too, and tell no error",
                       fmt::format("element {}, K/mu = {:.4g}: forces about {}", name(scene.solver.element),

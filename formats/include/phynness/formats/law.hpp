@@ -63,13 +63,12 @@ struct LawRow {
 using Law = const LawRow*;
 
 /// Size of an element's force over that of an element that does not lock, on the same mesh, in the mean over measured
-/// probes.
+/// probes of both kinds.
 struct ForceRatio {
   double bulk_to_shear;
-  double shallow, deep;  ///< patch probes, over Taylor-Hood, |d| of shallow_probe and of deep_probe edges of the mesh
-  double node;           ///< node probes of any depth, over the mixed element that holds the same points
+  double patch;  ///< over Taylor-Hood
+  double node;   ///< over the mixed element that holds the same points
 };
-inline constexpr double shallow_probe = 0.15, deep_probe = 1;
 
 struct ElementRow {
   const char* name;  ///< in a scene
