@@ -130,6 +130,7 @@ TEST(ShellScene, RefusesWhatShellsDoNotHave) {
 
 INSTANTIATE_TEST_SUITE_P(all, SceneMistake, testing::ValuesIn(mistakes(R"(
 misspelt_key | increments | incremnets = 4 | | unknown key in [probe] ; incremnets = 4 ; did you mean increments?
+end_of_a_key | increments | increments = 4\nradius_m = 0.05 | radius_m = 0.05 | radius_m = 0.05 ; did you mean tool_radius_m?
 misspelt_section | [training] | [trainning] | | unknown key ; did you mean training?
 key_of_another_section | increments | increments = 4\nsamples = 5 | samples = 5 | samples = 5 ; [training]
 far_from_any_key | increments | zzzzzz = 4 | | zzzzzz = 4 ; [probe] ; max_displacement_m

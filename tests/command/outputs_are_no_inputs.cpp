@@ -58,8 +58,8 @@ TEST_F(Files, that_cannot_be_written_are_refused) {
   };
   expect_names(place("nowhere/x.json"), {"--json", "nowhere", "make the folder"});
   expect_names(place("model"), {"this is a folder"});
-  expect_names(place("d.h5/x.json"), {"no folder"});
-  expect_names(place("d.h5/m", PathKind::model), {"no folder"});
+  expect_names(place("d.h5/x.json"), {"d.h5 is a file"});
+  expect_names(place("d.h5/m", PathKind::model), {"d.h5 is a file"});
   expect_names(place("model", PathKind::model), {"has not written", "model.txt"});
   cli::check_place("--output", folder / "new/model", PathKind::model);
   fs::permissions(folder, fs::perms::owner_read | fs::perms::owner_exec);

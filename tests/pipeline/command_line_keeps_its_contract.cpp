@@ -99,6 +99,15 @@ TEST_F(Contract, AMeshForParaViewIsTheMesh) {
     EXPECT_NE(read_file(folder / "mesh.vtu").find(field), std::string::npos) << field;
 }
 
+TEST_F(Contract, AFileOfSeveralBodiesIsDescribedByItsLargest) {
+  write_file(folder / "two.obj",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 5 0 0\nv 5.1 0 0\nv 5 0.1 0\nv 5 0 0.1\n"
+             "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n");
+  const auto said = succeed("info two.obj");
+  expect_names(unbroken(said.err), {"several closed surfaces: 2 components of 4 and 4", "repair = true"});
+  expect_names(said.out, {"box       0 0 0 to 1 1 1 (file units)"});
+}
+
 TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
   write_file(folder / "scene.toml", small_scene());
   struct Case {

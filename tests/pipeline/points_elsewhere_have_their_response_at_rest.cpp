@@ -104,7 +104,8 @@ TEST_F(Elsewhere, ModelsAnswerThere) {
     if (!anywhere) {
       EXPECT_LT(area, 0.5);
     } else {
-      EXPECT_NEAR(area, 1, 1e-12);
+      EXPECT_LT(area, 1) << "triangles of fixed and active nodes are in neither";
+      EXPECT_GT(area, 0.95);
       const auto share = [](const std::string& text) {
         const auto line = unbroken(text);
         const auto at = line.find("a tool is between them on ");

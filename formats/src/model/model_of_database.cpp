@@ -109,7 +109,7 @@ std::string FinerDistance::sentence() const {
   std::string parts, left_out;
   for (const auto& [what, part] : {std::pair{"the element", &element_at_rest},
                                    {"the size of the cells", &cells_at_rest},
-                                   {"the shape of the surface", &shape_at_rest}})
+                                   {"the shape of the surface and its fixed part", &shape_at_rest}})
     if (part->places > 0 && (part != &shape_at_rest || has_shape_step))
       parts += (parts.empty() ? ". At rest " : ", ") + std::string(what) +
                (parts.empty() ? " alone changes the stiffness by " : " by ") + percent(part->mean);
@@ -140,7 +140,7 @@ std::string FinerDistance::sentence() const {
   if (has_parts) text += ". The finer solution has " + finer;
   text += parts;
   if (cells_at_rest.places > 0 && !parts.empty())
-    text += std::string("; smaller cells reduce the last") + (has_shape_step ? " two" : "");
+    text += std::string("; smaller cells usually reduce the last") + (has_shape_step ? " two" : "");
   if (!left_out.empty())
     text += ". Not compared: " + left_out + " (phynness check SCENE, with more --seconds, does it)";
   if (of_reference.places > 0 && of_reference.mean < mean) {
