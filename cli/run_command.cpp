@@ -73,8 +73,6 @@ Coverage check_existing_files(const Options& options) {
     database_coverage = coverage(read_database_header(database), header);
     if (database_coverage == Coverage::other) DatabaseWriter::check(database, header, true);
     if (!Database::is_complete(database)) database_coverage = Coverage::part;
-  } else if (options.resume) {
-    message("note: {} has no database yet, so that everything is solved\n", options.output.string());
   }
   if (options.resume) {
     check_place("--output", model, PathKind::model);

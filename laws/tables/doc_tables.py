@@ -1,4 +1,4 @@
-"""Generates the tables of laws in the documentation from the law files. Needs Python's standard library only.
+"""Generates the tables of laws and elements in the documentation from the law files and element_table.py. Needs Python's standard library only.
 
 Usage: doc_tables.py [--write]     from the root of the repository; called by tools/check-docs
 
@@ -10,6 +10,7 @@ import re
 import sys
 from pathlib import Path
 
+from element_table import ELEMENTS
 from law import D1, LawError, every_law
 
 FILES = ("formats/scene.md", "docs/theory.md")
@@ -56,7 +57,17 @@ def energies(laws):
     return rows
 
 
-TABLES = {"keys": keys, "sets": sets, "energies": energies}
+def ratios(_):
+    locking = [element for element in ELEMENTS if element.force_ratios]
+    heads = [f"{element.name}, {probe}" for element in locking for probe in ("patch", "node")]
+    rows = [f"| K/mu | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
+    for of_elements in zip(*(element.force_ratios for element in locking)):
+        cells = [of_elements[0][0], *(x for row in of_elements for x in row[1:])]
+        rows.append("| " + " | ".join(f"{x:g}" for x in cells) + " |")
+    return rows
+
+
+TABLES = {"keys": keys, "sets": sets, "energies": energies, "ratios": ratios}
 
 
 def main(write):

@@ -91,7 +91,10 @@ Model model_of(const Mesh& mesh, const NodeList& probed) {
   Model model;
   for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) model.output.push_back(i);
   model.surface = mesh.surface;
-  for (const auto node : probed) model.nodes.emplace_back().node = node;
+  for (const auto node : probed) {
+    model.nodes.emplace_back().node = node;
+    model.nodes.back().moves_mean = true;
+  }
   return model;
 }
 
@@ -237,7 +240,7 @@ TEST(ProbeCoordinates, AreExactInThePlaneAndEndAtFixedNodes) {
   cover_surface(model, mesh, 8);
   const double share_without_fixed_nodes = 22.0 / 24, answered = touched_area(model, mesh).nonlinear;
   EXPECT_LE(answered, share_without_fixed_nodes);
-  EXPECT_GT(answered, 0.9 * share_without_fixed_nodes);
+  EXPECT_GT(answered, 0.9 * share_without_fixed_nodes) << "only corners and folds of the sheet are not covered";
 }
 
 // Claim: a part of the surface that lies over the probed part and faces the same way, but is far from it along the

@@ -144,6 +144,8 @@ TEST(Selections, ThatCannotBeSpreadAreRefused) {
   expect_names(text, {"of 1 nodes 0 chosen", "three nodes of the surface", "without a spacing"});
   text = message("{ spacing_m = 1, from_fixed_m = 3 }");
   expect_names(text, {"scene.toml:5", "from_fixed_m = 3", "from_fixed_m smaller than 2 m"});
+  text = message("{ spacing_m = 1, from_fixed_m = 1, within = { nodes = [" + std::to_string(center) + "] } }");
+  expect_names(text, {"give a part of the surface"});
 }
 
 TEST(Selections, ThatAreSpreadButNotCoveredGetAWarning) {

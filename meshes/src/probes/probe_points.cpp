@@ -577,7 +577,7 @@ TouchedArea touched_area(const Model& model, const Mesh& mesh) {
     return covered_share(mesh.nodes, mesh.surface, model.fixed, nodes);
   };
   const NodeList touched = probed_nodes(model), beside_fixed = both(touched, model.fixed);
-  const bool is_round = model.covered.rows() > 0;
+  const bool is_round = !model.nodes.empty() && model.nodes.front().moves_mean;
   const auto nodes = model.covered.col(0);
   TouchedArea area;
   area.nonlinear = share_of(is_round ? touched : beside_fixed);

@@ -185,9 +185,11 @@ std::string size_text(const SelectableBody& body) {
          " m; if that is not its size, correct scale_to_m in [mesh]";
 }
 
-std::string remedy_of_distance(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
+std::string remedy_of_spread(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
+  const NodeList on_surface = common(select_nodes(s.of[0], body, wanted), body.surface);
+  if (on_surface.empty()) return "give a part of the surface in `within`";
   double farthest_m = 0;
-  for (const auto node : common(select_nodes(s.of[0], body, wanted), body.surface))
+  for (const auto node : on_surface)
     farthest_m = std::max(
         farthest_m,
         (body.mesh.nodes(body.fixed, Eigen::all).rowwise() - body.mesh.nodes.row(node)).rowwise().norm().minCoeff());
@@ -199,8 +201,7 @@ std::string remedy_of_distance(const Selector& s, const SelectableBody& body, co
 std::string remedy_if_empty(const Selector& s, const SelectableBody& body, const Wanted& wanted) {
   if (is_region(s)) return nearest_of_surface(s, body);
   if (s.kind == complement) return "every node is in what it excludes: exclude less";
-  if (s.kind == spread && s.from_fixed_m > 0) return remedy_of_distance(s, body, wanted);
-  if (s.kind == spread) return "give a part of the surface in `within`";
+  if (s.kind == spread) return remedy_of_spread(s, body, wanted);
   if (s.kind != intersection && s.kind != difference) return "select by other nodes or places";
   std::string parts;
   for (const auto& part : s.of) {

@@ -51,7 +51,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     text.imbue(std::locale::classic());
     text << std::setprecision(4) << m.where.str() << ": the forces of a tool are estimated to be "
          << ratio_in_words(ratio) << " at K/mu = " << m.bulk_to_shear() << ", because " << name(scene.solver.element)
-         << " tetrahedra lock (mean of four bodies; single forces 0.6 to 2.2 times as much): use "
+         << " tetrahedra lock (mean of four bodies; single forces 0.5 to 2.2 times as much): use "
          << (probe.kind == ProbeKind::patch ? "es-p1-p1" : "p1-p1")
          << " or taylor-hood, and see what phynness check measures in this scene";
     warnings.push_back(text.str());

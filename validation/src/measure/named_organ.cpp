@@ -161,23 +161,16 @@ void NamedOrgan::check(int status, const std::vector<phn_tool>& tools) const {
     throw input_error("this model has forces only, or a touched node is not an output node", "coupled tools",
                       "train it with modes and make all touched nodes output nodes, or touch a single node");
   const std::span<const std::int32_t> all_fixed(info().fixed_nodes, static_cast<std::size_t>(info().n_fixed));
-  for (const auto& tool : tools) {
-    if (status != PHN_ERROR_NOT_ACTIVE) break;
-    std::string fixed;
-    bool can_move = false;
-    for (int k = 0; k < 3; ++k) {
-      const auto node = tool.nodes[k];
-      if (!(tool.weights[k] > 0)) continue;
-      if (std::ranges::binary_search(all_fixed, node)) {
-        fixed += (fixed.empty() ? "" : ", ") + std::to_string(node);
-      } else {
-        can_move = true;
-        force(node, {0, 0, 0});  // throws an error for an inactive node
-      }
-    }
-    if (!can_move)
-      throw input_error("all nodes of a tool are fixed", "nodes " + fixed, "touch a part of the surface that can move");
-  }
+  std::string fixed;
+  for (const auto& tool : tools)
+    for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE; ++k)
+      if (tool.weights[k] > 0 && std::ranges::binary_search(all_fixed, tool.nodes[k]))
+        fixed += (fixed.empty() ? "" : ", ") + std::to_string(tool.nodes[k]);
+      else if (tool.weights[k] > 0)
+        force(tool.nodes[k], {0, 0, 0});  // throws an error for an inactive node
+  if (status == PHN_ERROR_NOT_ACTIVE)
+    throw input_error("all nodes of a tool are fixed", "fixed nodes " + fixed,
+                      "touch a part of the surface that can move");
   check(status, first);
 }
 
